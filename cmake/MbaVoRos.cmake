@@ -1,0 +1,1 @@
+# ROS 1: messages, nodelets, bag tools and launch tests.

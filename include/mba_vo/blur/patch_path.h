@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+
+#include "mba_vo/geometry/exposure_trajectory.h"
+#include "mba_vo/geometry/pinhole_camera.h"
+
+namespace mba_vo {
+
+using Matrix26 = Eigen::Matrix<double, 2, 6>;
+
+/// Where one pixel of the blurred image looks in the reference (paper, "More details on the transfer").
+/// P = p + s g with g = R r, s = (d - p_z) / g_z on the fronto-parallel plane z = d = 1 / inverse_depth of the reference.
+struct PixelTransfer {
+  bool valid = false;               // false if the plane is behind either camera
+  Eigen::Vector2d pixel;            // in the reference [px]
+  Matrix26 J_pose;                  // d pixel / d right increment (rho, phi) of T_reference_camera
+  Eigen::Vector2d J_inverse_depth;  // d pixel / d inverse depth [px m]
+};
+
+PixelTransfer transferPixel(const PinholeCamera& reference_camera, const PinholeCamera& camera,
+                            const SE3& T_reference_camera, const Eigen::Vector2d& pixel, double inverse_depth);
+
+/// Image path in the reference of a small patch of the blurred image while the shutter is open. The path of the centre
+/// is c(u) = c0 + u c1 + u^2 c2, u in [-1/2, 1/2]; a pixel at offset delta from the centre follows c(u) + (A0 + u A1) delta.
+struct PatchPath {
+  Eigen::Vector2f c0, c1, c2;  // [px]
+  Eigen::Matrix2f A0, A1;
+  // Derivatives of the path, linear in u: d x / d delta = J_pose[0] + u J_pose[1] for a right increment of T_mid and
+  // d x / d xi = u (J_xi[0] + u J_xi[1]).
+  std::array<Matrix26, 2> J_pose;
+  std::array<Matrix26, 2> J_xi;
+  std::array<Eigen::Vector2d, 2> J_inverse_depth;
+
+  /// Length of the path of the centre [px].
+  float length() const;
+};
+
+/// Path of the patch around `pixel` (of the blurred image) for `inverse_depth` in the reference. Returns false if any
+/// part of the path is behind a camera. `trajectory` is relative to the reference.
+bool makePatchPath(const PinholeCamera& reference_camera, const PinholeCamera& camera,
+                   const ExposureTrajectory& trajectory, const Eigen::Vector2d& pixel, double inverse_depth,
+                   PatchPath& path);
+
+/// Number of mid-point samples for a path of `length_px` so that neighbours are at most `spacing_px` apart; 1 when sharp.
+int sampleCount(float length_px, float spacing_px, int max_samples);
+
+}  // namespace mba_vo

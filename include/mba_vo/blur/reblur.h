@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "mba_vo/blur/patch_path.h"
+#include "mba_vo/image/image_pyramid.h"
+
+namespace mba_vo {
+
+/// Most pixels that a patch can have (9x9 = 81, padded to a multiple of 16).
+inline constexpr int kMaxPatchPixels = 96;
+
+/// Pixel offsets of a patch in the blurred image, relative to its integer centre.
+struct PatchPattern {
+  int size = 0;
+  std::array<int, kMaxPatchPixels> dx{};
+  std::array<int, kMaxPatchPixels> dy{};
+  int radius = 0;  // largest |offset|
+
+  static PatchPattern square(int side);  // side odd, at most 9
+  static PatchPattern spread8();         // the sparse 8-pixel pattern of DSO (paper, Fig. 4)
+};
+
+/// Re-blurred patch (Eq. 7 with mid-point samples) and the moments of the image gradient along the path. With them the
+/// derivative of pixel k is: d B / d delta = [gx gy] J_pose[0] + [ugx ugy] J_pose[1], and likewise for xi and depth.
+/// Entries whose path leaves the reference or touches an invalid pixel are NaN in `value`.
+struct ReblurredPatch {
+  alignas(64) std::array<float, kMaxPatchPixels> value;
+  alignas(64) std::array<float, kMaxPatchPixels> gx, gy;      // mean of the gradient [grey levels / px]
+  alignas(64) std::array<float, kMaxPatchPixels> ugx, ugy;    // mean of u times the gradient
+  alignas(64) std::array<float, kMaxPatchPixels> uugx, uugy;  // mean of u^2 times the gradient
+};
+
+/// The re-blurring kernel. `samples` >= 1 mid-points u_i = (i + 1/2) / n - 1/2. Fills the first pattern.size entries.
+/// Gradients are the exact derivative of the bilinear interpolation.
+void reblurPatch(const ImageLevel& reference, const PatchPath& path, const PatchPattern& pattern, int samples,
+                 ReblurredPatch& out);
+
+}  // namespace mba_vo

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mba_vo/image/frame.h"
+
+namespace mba_vo {
+
+/// Calibration of a camera in the terms of sensor_msgs/CameraInfo.
+struct CameraCalibration {
+  int width = 0;                           // [px]
+  int height = 0;                          // [px]
+  double fx = 0, fy = 0, cx = 0, cy = 0;   // K [px]
+  std::string distortion_model = "plumb_bob";  // plumb_bob, rational_polynomial or equidistant; "" = none
+  std::vector<double> distortion;          // D
+};
+
+/// Photometric calibration in TUM mono form: pixel = response(vignette(x) * irradiance).
+struct PhotometricCalibration {
+  std::vector<double> inverse_response;    // 256 values, grey level -> irradiance; empty = use gamma
+  cv::Mat1f vignette;                      // attenuation in (0, 1]; empty = none
+};
+
+struct FrameBuilderConfig {
+  int pyramid_levels = 6;
+  double gamma = 1.0;  // pixel = irradiance^(1/gamma); 1 = linear camera
+  std::string response_file;
+  std::string vignette_file;
+
+  template <typename Config, typename Visitor>
+  static void describe(Config& c, Visitor& v) {
+    v("pyramid_levels", c.pyramid_levels, 1, 8, "most image pyramid levels");
+    v("gamma", c.gamma, 0.1, 10.0, "gamma of the camera, 1 = linear; ignored if response_file is set");
+    v("response_file", c.response_file, "response in TUM mono form (pcalib.txt: 256 values), empty = none");
+    v("vignette_file", c.vignette_file, "vignette image in TUM mono form, empty = none");
+  }
+};
+
+/// Makes Frames from camera images: grey, photometrically linear, rectified, with pyramid.
+class FrameBuilder {
+ public:
+  /// Throws std::invalid_argument naming the offending value for an impossible calibration or configuration.
+  FrameBuilder(const CameraCalibration& calibration, const PhotometricCalibration& photometric,
+               const FrameBuilderConfig& config);
+  ~FrameBuilder();
+  FrameBuilder(FrameBuilder&&) noexcept;
+
+  /// Camera of the rectified images.
+  const PinholeCamera& camera() const;
+
+  /// `image`: 8- or 16-bit, 1, 3 (BGR) or 4 channels, of the calibration's size, else std::invalid_argument.
+  FrameConstPtr build(const cv::Mat& image, std::uint64_t sequence, std::int64_t stamp_ns,
+                      std::int64_t mid_exposure_ns, std::optional<double> exposure) const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace mba_vo

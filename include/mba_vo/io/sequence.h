@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <opencv2/core.hpp>
+
+#include "mba_vo/image/frame_builder.h"
+
+namespace mba_vo {
+
+/// One image of a recorded sequence as it was recorded.
+struct SequenceImage {
+  std::uint64_t sequence = 0;        // position in the sequence, skipped images counted
+  std::int64_t stamp_ns = 0;         // as recorded [ns]
+  std::int64_t mid_exposure_ns = 0;  // [ns]
+  std::optional<double> exposure;    // [s]; nullopt = unknown
+  cv::Mat image;
+};
+
+/// A source of recorded images: a sequence folder or a bag. Never reads ground truth.
+class SequenceReader {
+ public:
+  virtual ~SequenceReader() = default;
+  virtual CameraCalibration calibration() const = 0;
+  virtual std::size_t size() const = 0;  // images in the sequence
+  /// Next image, nullopt at the end. Throws std::runtime_error naming the file or message that cannot be read.
+  virtual std::optional<SequenceImage> next() = 0;
+};
+
+/// Opens a sequence folder: camera.yaml, times.txt, <images>/<id, six digits>.<webp|png|jpg|...>.
+/// Throws std::runtime_error naming what is missing or malformed.
+std::unique_ptr<SequenceReader> openSequenceFolder(const std::string& folder, const std::string& images_subfolder);
+
+}  // namespace mba_vo

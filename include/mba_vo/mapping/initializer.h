@@ -1,0 +1,53 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mba_vo/tracking/tracked_frame.h"
+
+namespace mba_vo {
+
+struct InitializerConfig {
+  double buffer_seconds = 2.0;
+  double min_parallax = 0.02;  // translation over median depth
+
+  template <typename Config, typename Visitor>
+  static void describe(Config& c, Visitor& v) {
+    v("buffer_seconds", c.buffer_seconds, 0.2, 10.0, "how far back frames are kept for initialisation [s]");
+    v("min_parallax", c.min_parallax, 0.001, 0.5, "least translation over median depth of an initial map");
+  }
+};
+
+/// First structure and motion of a map. Scale: median depth of the points = 1.
+struct InitialMap {
+  struct Pose {
+    FrameConstPtr frame;
+    SE3 T_reference_frame;  // at mid-exposure
+  };
+  FrameConstPtr reference;             // the sharpest frame of the buffer
+  std::vector<ReferencePoint> points;  // in the reference, all with positive inverse depth
+  std::vector<Pose> poses;             // of some or all buffered frames, the reference excluded, by time
+};
+
+/// Collects frames until motion and structure can be told.
+class Initializer {
+ public:
+  explicit Initializer(const InitializerConfig& config);
+  ~Initializer();
+
+  /// Adds a frame (increasing time). Returns a map once one is found that explains frames that took no part, else null.
+  std::unique_ptr<InitialMap> add(const FrameConstPtr& frame);
+
+  /// Frames held now, oldest first. After success: every frame since the oldest useful one.
+  std::vector<FrameConstPtr> bufferedFrames() const;
+  /// Why there is no map yet, e.g. "only rotation so far".
+  const std::string& reason() const;
+  void reset();
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace mba_vo

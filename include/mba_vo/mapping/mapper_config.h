@@ -1,0 +1,30 @@
+#pragma once
+
+#include "mba_vo/mapping/depth_search.h"
+#include "mba_vo/mapping/initializer.h"
+#include "mba_vo/mapping/window.h"
+#include "mba_vo/tracking/tracker.h"
+
+namespace mba_vo {
+
+/// Options of the mapper. `describe` names every option once, for YAML, ROS parameters and documentation.
+struct MapperConfig {
+  InitializerConfig initializer;
+  DepthSearchConfig depth_search;
+  WindowConfig window;
+  TrackerConfig tracker;         // used to track buffered frames backwards after initialisation; same as the tracker's
+  int new_points_per_keyframe = 1500;
+  int max_display_points = 200000;
+  bool deterministic = false;    // bit-identical results run after run; sums in a fixed order
+
+  template <typename Config, typename Visitor>
+  static void describe(Config& c, Visitor& v) {
+    v.section("initializer", c.initializer);
+    v.section("depth_search", c.depth_search);
+    v.section("window", c.window);
+    v("new_points_per_keyframe", c.new_points_per_keyframe, 50, 10000, "candidate points selected in a new keyframe");
+    v("max_display_points", c.max_display_points, 0, 10000000, "old map points kept for display");
+  }
+};
+
+}  // namespace mba_vo

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "mba_vo/mapping/mapper.h"
+#include "mba_vo/odometry/tracking_loop.h"
+
+namespace mba_vo {
+
+/// What happened to one input frame.
+struct OdometryResult {
+  TrackedFrameConstPtr tracked;
+  MapperOutput mapping;
+};
+
+/// Tracker and mapper called in turn, deterministically: the offline pipeline. The mapper's references are adopted
+/// `reference_delay_frames` after the frame that caused them.
+class Odometry {
+ public:
+  Odometry(const OdometryConfig& config, int reference_delay_frames);
+
+  OdometryResult process(const FrameConstPtr& frame);
+
+  std::vector<TrajectoryEntry> trajectory() const { return mapper_.trajectory(); }
+  std::vector<MapPoint> points() const { return mapper_.points(); }
+
+ private:
+  struct PendingReference {
+    std::uint64_t due_sequence;
+    ReferenceConstPtr reference;
+  };
+  TrackingLoop tracking_;
+  Mapper mapper_;
+  int reference_delay_frames_;
+  std::uint64_t frames_ = 0;
+  std::deque<PendingReference> pending_;
+};
+
+}  // namespace mba_vo

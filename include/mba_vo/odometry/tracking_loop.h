@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+
+#include "mba_vo/odometry/config.h"
+#include "mba_vo/tracking/tracker.h"
+
+namespace mba_vo {
+
+/// The loop around the Tracker: keeps the motion prior and the newest reference, decides the status, and keeps odometry
+/// continuous when a reference is adopted. Not thread-safe: one thread calls it.
+class TrackingLoop {
+ public:
+  explicit TrackingLoop(const OdometryConfig& config);
+  ~TrackingLoop();
+
+  /// Every frame gives exactly one result; never null.
+  TrackedFrameConstPtr process(const FrameConstPtr& frame);
+
+  /// Takes a newer snapshot; the prior is re-expressed through the poses that came with it.
+  void adopt(const ReferenceConstPtr& reference);
+
+  /// Forgets the reference and the prior.
+  void reset();
+
+  /// Camera to odom at mid-exposure of the last tracked frame; continuous across references and maps, never rewritten.
+  const SE3& T_odom_camera() const;
+  /// odom to map by the newest reference: T_map_ref T_odom_ref^-1.
+  SE3 T_map_odom() const;
+  ReferenceConstPtr reference() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace mba_vo

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "mba_vo/geometry/exposure_trajectory.h"
+#include "mba_vo/image/image_pyramid.h"
+
+namespace mba_vo {
+
+using MapId = std::uint32_t;
+using KeyframeId = std::uint32_t;
+
+struct ReferenceId {
+  MapId map_id = 0;
+  KeyframeId keyframe_id = 0;
+  std::uint32_t revision = 0;  // counts the references emitted for this keyframe
+  bool operator==(const ReferenceId& o) const {
+    return map_id == o.map_id && keyframe_id == o.keyframe_id && revision == o.revision;
+  }
+};
+
+/// A point of the reference with known depth.
+struct ReferencePoint {
+  Eigen::Vector2f pixel;    // at level 0 [px]
+  float inverse_depth;      // z^-1 in the reference camera [1/m]
+  float variance;           // of the inverse depth [1/m^2]
+};
+
+/// Affine brightness B = exp(a) I + b of an image relative to the map [a: log gain, b: grey levels].
+struct AffineBrightness {
+  double a = 0.0;
+  double b = 0.0;
+};
+
+/// Where the mapper believes a certain frame to be, given to a tracker that has no prior of its own (after
+/// initialisation or relocalisation).
+struct TrackingHint {
+  std::uint64_t frame_sequence = 0;
+  std::int64_t mid_exposure_ns = 0;
+  ExposureTrajectory trajectory;  // relative to the reference
+};
+
+/// Immutable snapshot of the map that the tracker aligns to: mapper -> tracker.
+struct Reference {
+  ReferenceId id;
+  SE3 T_map_reference;
+  std::shared_ptr<const ImagePyramid> pyramid;  // sharp
+  AffineBrightness brightness;                  // of the reference image
+  std::vector<ReferencePoint> points;
+  std::map<KeyframeId, SE3> T_map_keyframe;     // the window's poses at the same moment
+  std::optional<TrackingHint> hint;
+};
+
+using ReferenceConstPtr = std::shared_ptr<const Reference>;
+
+}  // namespace mba_vo
