@@ -12,7 +12,8 @@ namespace mba_vo {
 using Matrix26 = Eigen::Matrix<double, 2, 6>;
 
 /// Where one pixel of the blurred image looks in the reference (paper, "More details on the transfer").
-/// P = p + s g with g = R r, s = (d - p_z) / g_z on the fronto-parallel plane z = d = 1 / inverse_depth of the reference.
+/// P = p + s g with g = R r, s = (d - p_z) / g_z on the fronto-parallel plane z = d = 1 / inverse_depth of the
+/// reference.
 struct PixelTransfer {
   bool valid = false;               // false if the plane is behind either camera
   Eigen::Vector2d pixel;            // in the reference [px]
@@ -24,7 +25,8 @@ PixelTransfer transferPixel(const PinholeCamera& reference_camera, const Pinhole
                             const SE3& T_reference_camera, const Eigen::Vector2d& pixel, double inverse_depth);
 
 /// Image path in the reference of a small patch of the blurred image while the shutter is open. The path of the centre
-/// is c(u) = c0 + u c1 + u^2 c2, u in [-1/2, 1/2]; a pixel at offset delta from the centre follows c(u) + (A0 + u A1) delta.
+/// is c(u) = c0 + u c1 + u^2 c2, u in [-1/2, 1/2]; a pixel at offset delta from the centre follows c(u) + (A0 + u A1)
+/// delta.
 struct PatchPath {
   Eigen::Vector2f c0, c1, c2;  // [px]
   Eigen::Matrix2f A0, A1;
@@ -44,7 +46,8 @@ bool makePatchPath(const PinholeCamera& reference_camera, const PinholeCamera& c
                    const ExposureTrajectory& trajectory, const Eigen::Vector2d& pixel, double inverse_depth,
                    PatchPath& path);
 
-/// Number of mid-point samples for a path of `length_px` so that neighbours are at most `spacing_px` apart; 1 when sharp.
+/// Number of mid-point samples for a path of `length_px` so that neighbours are at most `spacing_px` apart; 1 when
+/// sharp.
 int sampleCount(float length_px, float spacing_px, int max_samples);
 
 }  // namespace mba_vo

@@ -11,6 +11,8 @@ namespace mba_vo {
 
 /// Most pixels that a patch can have (9x9 = 81, padded to a multiple of 16).
 inline constexpr int kMaxPatchPixels = 96;
+/// Most samples along a path.
+inline constexpr int kMaxSamples = 256;
 
 /// Pixel offsets of a patch in the blurred image, relative to its integer centre.
 struct PatchPattern {
@@ -33,8 +35,8 @@ struct ReblurredPatch {
   alignas(64) std::array<float, kMaxPatchPixels> uugx, uugy;  // mean of u^2 times the gradient
 };
 
-/// The re-blurring kernel. `samples` >= 1 mid-points u_i = (i + 1/2) / n - 1/2. Fills the first pattern.size entries.
-/// Gradients are the exact derivative of the bilinear interpolation.
+/// The re-blurring kernel. `samples` in 1..kMaxSamples mid-points u_i = (i + 1/2) / n - 1/2. Fills the first
+/// pattern.size entries. Gradients are the exact derivative of the bilinear interpolation.
 void reblurPatch(const ImageLevel& reference, const PatchPath& path, const PatchPattern& pattern, int samples,
                  ReblurredPatch& out);
 

@@ -11,8 +11,8 @@ namespace mba_vo {
 /// What a deblurrer is given: the blurred keyframe, how the camera moved within its exposure, and the sparse depths.
 struct DeblurInput {
   std::shared_ptr<const ImagePyramid> image;
-  ExposureTrajectory trajectory;        // relative to the keyframe itself at mid-exposure: T_reference_mid = identity
-  std::vector<ReferencePoint> points;   // known depths in the keyframe
+  ExposureTrajectory trajectory;       // relative to the keyframe itself at mid-exposure: T_reference_mid = identity
+  std::vector<ReferencePoint> points;  // known depths in the keyframe
 };
 
 /// Turns a blurred keyframe into a sharp one. Implementations are stateless and may be called from any thread.

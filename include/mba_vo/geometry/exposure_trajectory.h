@@ -7,9 +7,9 @@ namespace mba_vo {
 /// Where the camera was while the shutter was open: T(t) = T_reference_mid Exp(t v), t in [-exposure/2, exposure/2]
 /// (Eq. 5 of the MBA-VO paper, written about the middle of the exposure).
 struct ExposureTrajectory {
-  SE3 T_reference_mid;               // camera to reference at mid-exposure
+  SE3 T_reference_mid;                 // camera to reference at mid-exposure
   Vector6 velocity = Vector6::Zero();  // body velocity in the camera frame [m/s, rad/s]
-  double exposure = 0.0;             // [s]
+  double exposure = 0.0;               // [s]
 
   /// Pose at time t [s] after mid-exposure.
   SE3 at(double t) const { return T_reference_mid * SE3::exp(t * velocity); }

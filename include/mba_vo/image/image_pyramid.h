@@ -10,7 +10,8 @@
 namespace mba_vo {
 
 /// One level: linear intensity [grey levels, 0..255], NaN where the pixel is invalid (outside a rectified image,
-/// masked). NaN spreads through every sum it enters, so a residual that touches an invalid pixel is recognised by itself.
+/// masked). NaN spreads through every sum it enters, so a residual that touches an invalid pixel is recognised by
+/// itself.
 struct ImageLevel {
   cv::Mat1f intensity;
   PinholeCamera camera;
@@ -20,8 +21,8 @@ struct ImageLevel {
 class ImagePyramid {
  public:
   ImagePyramid() = default;
-  /// `intensity`: continuous CV_32FC1 of the camera's size. Throws std::invalid_argument if sizes disagree or levels < 1.
-  /// Stops before a level would be narrower or lower than 16 px.
+  /// `intensity`: continuous CV_32FC1 of the camera's size. Throws std::invalid_argument if sizes disagree or levels
+  /// < 1. Stops before a level would be narrower or lower than 16 px.
   ImagePyramid(const cv::Mat1f& intensity, const PinholeCamera& camera, int levels);
 
   int levels() const { return static_cast<int>(levels_.size()); }

@@ -27,9 +27,9 @@ struct ReferenceId {
 
 /// A point of the reference with known depth.
 struct ReferencePoint {
-  Eigen::Vector2f pixel;    // at level 0 [px]
-  float inverse_depth;      // z^-1 in the reference camera [1/m]
-  float variance;           // of the inverse depth [1/m^2]
+  Eigen::Vector2f pixel;  // at level 0 [px]
+  float inverse_depth;    // z^-1 in the reference camera [1/m]
+  float variance;         // of the inverse depth [1/m^2]
 };
 
 /// Affine brightness B = exp(a) I + b of an image relative to the map [a: log gain, b: grey levels].
@@ -53,7 +53,7 @@ struct Reference {
   std::shared_ptr<const ImagePyramid> pyramid;  // sharp
   AffineBrightness brightness;                  // of the reference image
   std::vector<ReferencePoint> points;
-  std::map<KeyframeId, SE3> T_map_keyframe;     // the window's poses at the same moment
+  std::map<KeyframeId, SE3> T_map_keyframe;  // the window's poses at the same moment
   std::optional<TrackingHint> hint;
 };
 

@@ -21,18 +21,19 @@ const char* toString(TrackingStatus status);
 struct TrackedFrame {
   FrameConstPtr frame;
   TrackingStatus status = TrackingStatus::kInitializing;
-  std::string reason;               // empty while kTracking
-  ReferenceId reference;            // what it was aligned to; meaningful when tracked()
-  ExposureTrajectory trajectory;    // relative to the reference
-  AffineBrightness brightness;      // of this frame, same convention as Reference::brightness
-  Eigen::Matrix<double, 12, 12> covariance = Eigen::Matrix<double, 12, 12>::Zero();  // of (right increment of T_mid, xi)
-  bool xi_prior_limited = true;     // too little blur for the covariance of xi to mean anything
-  double residual_rms = 0.0;        // robust, level 0 [grey levels]
-  double blur_length_px = 0.0;      // median image path of the points within the exposure [px]
+  std::string reason;             // empty while kTracking
+  ReferenceId reference;          // what it was aligned to; meaningful when tracked()
+  ExposureTrajectory trajectory;  // relative to the reference
+  AffineBrightness brightness;    // of this frame, same convention as Reference::brightness
+  Eigen::Matrix<double, 12, 12> covariance =
+      Eigen::Matrix<double, 12, 12>::Zero();  // of (right increment of T_mid, xi)
+  bool xi_prior_limited = true;               // too little blur for the covariance of xi to mean anything
+  double residual_rms = 0.0;                  // robust, level 0 [grey levels]
+  double blur_length_px = 0.0;                // median image path of the points within the exposure [px]
   int points_used = 0;
-  double visible_fraction = 0.0;    // of the reference's points that project into this frame
-  double mean_flow_px = 0.0;        // rms displacement of the reference's points [px]
-  double mean_parallax_px = 0.0;    // the same caused by translation alone [px]
+  double visible_fraction = 0.0;  // of the reference's points that project into this frame
+  double mean_flow_px = 0.0;      // rms displacement of the reference's points [px]
+  double mean_parallax_px = 0.0;  // the same caused by translation alone [px]
   bool keyframe_requested = false;
   double tracking_ms = 0.0;
 

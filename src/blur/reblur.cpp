@@ -1,0 +1,189 @@
+#include "mba_vo/blur/reblur.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+// One source, compiled for several instruction sets and chosen when the program starts. Sanitizers instrument the
+// resolver, which runs before they are ready.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(MBA_VO_SANITIZED)
+#define MBA_VO_MULTIVERSION __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define MBA_VO_MULTIVERSION
+#endif
+
+namespace mba_vo {
+namespace {
+
+constexpr int kLanes = 16;
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+struct Offsets {
+  alignas(64) float dx[kMaxPatchPixels];
+  alignas(64) float dy[kMaxPatchPixels];
+};
+
+/// Position of the patch at one moment: x = cx + a00 dx + a01 dy, y = cy + a10 dx + a11 dy.
+struct Placement {
+  float cx, cy, a00, a01, a10, a11, u;
+};
+
+Placement placementAt(const PatchPath& path, float u) {
+  const Eigen::Vector2f c = path.c0 + u * (path.c1 + u * path.c2);
+  const Eigen::Matrix2f A = path.A0 + u * path.A1;
+  return {c.x(), c.y(), A(0, 0), A(0, 1), A(1, 0), A(1, 1), u};
+}
+
+/// Sums over the samples of one block of pixels; small enough to stay in registers.
+struct BlockSums {
+  alignas(64) float value[kLanes] = {};
+  alignas(64) float gx[kLanes] = {};
+  alignas(64) float gy[kLanes] = {};
+  alignas(64) float ugx[kLanes] = {};
+  alignas(64) float ugy[kLanes] = {};
+  alignas(64) float uugx[kLanes] = {};
+  alignas(64) float uugy[kLanes] = {};
+  alignas(64) float outside[kLanes] = {};
+};
+
+struct ImageView {
+  const float* data;
+  int stride;
+  float max_x;  // largest coordinates that can be sampled
+  float max_y;
+};
+
+/// Sums all samples of the kLanes pixels whose offsets begin at dx, dy.
+MBA_VO_MULTIVERSION
+void sumBlock(const ImageView& image, const Placement* placements, int samples, const float* __restrict dx,
+              const float* __restrict dy, BlockSums& __restrict out) {
+  BlockSums sum;
+  const float* __restrict data = image.data;
+  for (int i = 0; i < samples; ++i) {
+    const Placement at = placements[i];
+    const float u = at.u;
+    const float uu = u * u;
+    alignas(64) int index[kLanes];
+    alignas(64) float fx[kLanes], fy[kLanes];
+    for (int k = 0; k < kLanes; ++k) {
+      const float x = at.cx + at.a00 * dx[k] + at.a01 * dy[k];
+      const float y = at.cy + at.a10 * dx[k] + at.a11 * dy[k];
+      const float x_low = x > 0.0F ? x : 0.0F;
+      const float y_low = y > 0.0F ? y : 0.0F;
+      const float x_in = x_low < image.max_x ? x_low : image.max_x;
+      const float y_in = y_low < image.max_y ? y_low : image.max_y;
+      sum.outside[k] += std::abs(x - x_in) + std::abs(y - y_in);
+      const int ix = static_cast<int>(x_in);
+      const int iy = static_cast<int>(y_in);
+      fx[k] = x_in - static_cast<float>(ix);
+      fy[k] = y_in - static_cast<float>(iy);
+      index[k] = iy * image.stride + ix;
+    }
+    // The four texels of each sample, as separate loads: gather instructions are no faster and not everywhere.
+    alignas(64) float i00[kLanes], i10[kLanes], i01[kLanes], i11[kLanes];
+#pragma GCC unroll 16
+    for (int k = 0; k < kLanes; ++k) {
+      const float* texel = data + index[k];
+      i00[k] = texel[0];
+      i10[k] = texel[1];
+      i01[k] = texel[image.stride];
+      i11[k] = texel[image.stride + 1];
+    }
+    for (int k = 0; k < kLanes; ++k) {
+      const float upper = i10[k] - i00[k];
+      const float lower = i11[k] - i01[k];
+      const float top = i00[k] + fx[k] * upper;
+      const float gx = upper + fy[k] * (lower - upper);
+      const float gy = i01[k] + fx[k] * lower - top;
+      sum.value[k] += top + fy[k] * gy;
+      sum.gx[k] += gx;
+      sum.gy[k] += gy;
+      sum.ugx[k] += u * gx;
+      sum.ugy[k] += u * gy;
+      sum.uugx[k] += uu * gx;
+      sum.uugy[k] += uu * gy;
+    }
+  }
+  out = sum;
+}
+
+int roundUp(int n) { return (n + kLanes - 1) / kLanes * kLanes; }
+
+Offsets makeOffsets(const PatchPattern& pattern, int count) {
+  Offsets offsets;
+  for (int k = 0; k < count; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    offsets.dx[k] = k < pattern.size ? static_cast<float>(pattern.dx[i]) : 0.0F;
+    offsets.dy[k] = k < pattern.size ? static_cast<float>(pattern.dy[i]) : 0.0F;
+  }
+  return offsets;
+}
+
+void writeMeans(const BlockSums& sum, int first, int samples, ReblurredPatch& out) {
+  const float scale = 1.0F / static_cast<float>(samples);
+  for (int k = 0; k < kLanes; ++k) {
+    const auto i = static_cast<std::size_t>(first + k);
+    out.value[i] = sum.outside[k] > 0.0F ? kNaN : scale * sum.value[k];
+    out.gx[i] = scale * sum.gx[k];
+    out.gy[i] = scale * sum.gy[k];
+    out.ugx[i] = scale * sum.ugx[k];
+    out.ugy[i] = scale * sum.ugy[k];
+    out.uugx[i] = scale * sum.uugx[k];
+    out.uugy[i] = scale * sum.uugy[k];
+  }
+}
+
+}  // namespace
+
+PatchPattern PatchPattern::square(int side) {
+  if (side < 1 || side > 9 || side % 2 == 0) {
+    throw std::invalid_argument("patch pattern: side is " + std::to_string(side) + ", must be odd and at most 9");
+  }
+  PatchPattern pattern;
+  pattern.radius = side / 2;
+  for (int y = -pattern.radius; y <= pattern.radius; ++y) {
+    for (int x = -pattern.radius; x <= pattern.radius; ++x) {
+      pattern.dx[static_cast<std::size_t>(pattern.size)] = x;
+      pattern.dy[static_cast<std::size_t>(pattern.size)] = y;
+      ++pattern.size;
+    }
+  }
+  return pattern;
+}
+
+PatchPattern PatchPattern::spread8() {
+  constexpr int kOffsets[8][2] = {{0, 0}, {-2, 0}, {2, 0}, {0, -2}, {0, 2}, {-1, -1}, {1, -1}, {-1, 1}};
+  PatchPattern pattern;
+  pattern.radius = 2;
+  for (const auto& offset : kOffsets) {
+    pattern.dx[static_cast<std::size_t>(pattern.size)] = offset[0];
+    pattern.dy[static_cast<std::size_t>(pattern.size)] = offset[1];
+    ++pattern.size;
+  }
+  return pattern;
+}
+
+void reblurPatch(const ImageLevel& reference, const PatchPath& path, const PatchPattern& pattern, int samples,
+                 ReblurredPatch& out) {
+  const int count = roundUp(pattern.size);
+  const Offsets offsets = makeOffsets(pattern, count);
+  const int n = std::clamp(samples, 1, kMaxSamples);
+  std::array<Placement, kMaxSamples> placements;
+  for (int i = 0; i < n; ++i) {
+    const float u = (static_cast<float>(i) + 0.5F) / static_cast<float>(n) - 0.5F;
+    placements[static_cast<std::size_t>(i)] = placementAt(path, u);
+  }
+  // The pixels to the right of and below a sample are read too, so the last row and column cannot be its corner.
+  const ImageView image{reference.intensity[0], static_cast<int>(reference.intensity.step1()),
+                        static_cast<float>(reference.intensity.cols) - 1.001F,
+                        static_cast<float>(reference.intensity.rows) - 1.001F};
+  for (int first = 0; first < count; first += kLanes) {
+    BlockSums sum;
+    sumBlock(image, placements.data(), n, offsets.dx + first, offsets.dy + first, sum);
+    writeMeans(sum, first, n, out);
+  }
+}
+
+}  // namespace mba_vo
