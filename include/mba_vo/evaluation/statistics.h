@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace mba_vo {
+
+/// Summary of a list of errors; NaN where there is no value. Median and percentile interpolate linearly between ranks.
+struct Statistics {
+  std::size_t count = 0;
+  double rmse = 0.0;
+  double mean = 0.0;
+  double median = 0.0;
+  double percentile_90 = 0.0;
+  double max = 0.0;
+};
+
+Statistics summarize(std::vector<double> values);
+
+}  // namespace mba_vo

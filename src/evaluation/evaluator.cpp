@@ -1,0 +1,141 @@
+#include "mba_vo/evaluation/evaluator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "mba_vo/evaluation/association.h"
+#include "mba_vo/evaluation/exposure_motion.h"
+
+namespace mba_vo {
+namespace {
+
+struct MatchedPoses {
+  const std::vector<PoseRecord>& groundtruth;
+  const std::vector<PoseRecord>& estimate;
+  std::vector<Association> pairs;
+};
+
+Similarity align(const MatchedPoses& matched, AlignmentMode mode) {
+  std::vector<Eigen::Vector3d> estimated;
+  std::vector<Eigen::Vector3d> truth;
+  for (const Association& pair : matched.pairs) {
+    estimated.push_back(matched.estimate[pair.estimate].T_world_camera.translation());
+    truth.push_back(matched.groundtruth[pair.groundtruth].T_world_camera.translation());
+  }
+  return alignPositions(estimated, truth, mode);
+}
+
+std::vector<PosePair> alignedPairs(const MatchedPoses& matched, const Similarity& alignment) {
+  std::vector<PosePair> pairs;
+  for (const Association& pair : matched.pairs) {
+    const PoseRecord& truth = matched.groundtruth[pair.groundtruth];
+    pairs.push_back({truth.time, truth.T_world_camera, alignment * matched.estimate[pair.estimate].T_world_camera});
+  }
+  return pairs;
+}
+
+/// Drops among the instants `times`, sorted; `has_pose` tells which of them have an estimate.
+FrameDrops countDrops(const std::vector<bool>& has_pose) {
+  FrameDrops drops;
+  const auto first = std::find(has_pose.begin(), has_pose.end(), true);
+  drops.frames = has_pose.size();
+  drops.dropped = static_cast<std::size_t>(std::count(has_pose.begin(), has_pose.end(), false));
+  drops.frames_after_initialization = static_cast<std::size_t>(has_pose.end() - first);
+  drops.dropped_after_initialization = static_cast<std::size_t>(std::count(first, has_pose.end(), false));
+  return drops;
+}
+
+FrameDrops dropsAmongGroundtruth(const MatchedPoses& matched) {
+  std::vector<bool> has_pose(matched.groundtruth.size(), false);
+  for (const Association& pair : matched.pairs) {
+    has_pose[pair.groundtruth] = true;
+  }
+  return countDrops(has_pose);
+}
+
+FrameDrops dropsAmongFrames(const std::vector<LoggedFrame>& frames, const std::vector<PoseRecord>& estimate) {
+  // The trajectory of a run carries the very stamps of its frame log, up to the decimals written.
+  constexpr double kStampTolerance = 1e-5;  // [s]
+  std::vector<PoseRecord> instants(frames.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    instants[i].time = frames[i].time;
+  }
+  std::stable_sort(instants.begin(), instants.end(),
+                   [](const PoseRecord& a, const PoseRecord& b) { return a.time < b.time; });
+  std::vector<bool> has_pose(frames.size(), false);
+  for (const Association& pair : associateByTime(instants, estimate, kStampTolerance)) {
+    has_pose[pair.groundtruth] = true;
+  }
+  return countDrops(has_pose);
+}
+
+std::optional<ExposureEvaluation> evaluateExposures(const MatchedPoses& matched, double scale, double min_blur) {
+  std::vector<double> directions;
+  std::vector<double> ratios;
+  std::vector<double> length_errors;
+  bool available = false;
+  for (const Association& pair : matched.pairs) {
+    const auto& truth = matched.groundtruth[pair.groundtruth].exposure;
+    const auto& estimated = matched.estimate[pair.estimate].exposure;
+    if (!truth || !estimated) {
+      continue;
+    }
+    available = true;
+    if (const auto error = compareExposureMotion(*truth, *estimated, scale, min_blur)) {
+      directions.push_back(error->direction);
+      ratios.push_back(error->length_ratio);
+      length_errors.push_back(std::abs(error->length_ratio - 1.0));
+    }
+  }
+  if (!available) {
+    return std::nullopt;
+  }
+  ExposureEvaluation evaluation;
+  constexpr double kRightAngle = 90.0;  // [deg]
+  evaluation.reversed = static_cast<std::size_t>(
+      std::count_if(directions.begin(), directions.end(), [](double angle) { return angle > kRightAngle; }));
+  evaluation.direction = summarize(directions);
+  evaluation.length_ratio = summarize(ratios);
+  evaluation.length_error = summarize(length_errors);
+  return evaluation;
+}
+
+}  // namespace
+
+EvaluationReport evaluateTrajectory(const std::vector<PoseRecord>& groundtruth, const std::vector<PoseRecord>& estimate,
+                                    const std::vector<LoggedFrame>& frame_log, const EvaluationOptions& options) {
+  const std::vector<PoseRecord> evaluated = posesOfLargestMap(estimate);
+  const MatchedPoses matched{groundtruth, evaluated,
+                             associateByTime(groundtruth, evaluated, options.max_time_difference)};
+  constexpr std::size_t kMinPairs = 3;
+  if (matched.pairs.size() < kMinPairs) {
+    throw std::runtime_error("only " + std::to_string(matched.pairs.size()) + " of " +
+                             std::to_string(evaluated.size()) + " estimated poses are within " +
+                             std::to_string(options.max_time_difference) +
+                             " s of a ground-truth pose, at least 3 are needed; do both use the same clock?");
+  }
+  EvaluationReport report;
+  report.mode = options.alignment;
+  report.relative_interval = options.relative_interval;
+  report.alignment = align(matched, options.alignment);
+  report.pairs = alignedPairs(matched, report.alignment);
+  report.unmatched_estimates = evaluated.size() - matched.pairs.size();
+  report.maps = countMaps(estimate);
+  report.poses_in_other_maps = estimate.size() - evaluated.size();
+  report.absolute = summarize(absoluteErrors(report.pairs));
+  report.rotation = summarize(rotationErrors(report.pairs));
+  constexpr double kIntervalTolerance = 0.1;  // of the interval
+  const RelativeErrors relative =
+      relativeErrors(report.pairs, options.relative_interval, kIntervalTolerance * options.relative_interval);
+  report.relative_translation = summarize(relative.translation);
+  report.relative_rotation = summarize(relative.rotation);
+  report.drops = frame_log.empty() ? dropsAmongGroundtruth(matched) : dropsAmongFrames(frame_log, evaluated);
+  for (const LoggedFrame& frame : frame_log) {
+    ++report.frames_by_status[frame.status];
+  }
+  report.exposure = evaluateExposures(matched, report.alignment.scale, options.min_blur);
+  return report;
+}
+
+}  // namespace mba_vo
