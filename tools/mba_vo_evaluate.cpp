@@ -10,6 +10,7 @@
 
 #include "mba_vo/evaluation/evaluator.h"
 #include "mba_vo/evaluation/report_writer.h"
+#include "mba_vo/evaluation/trajectory_plot.h"
 
 namespace {
 
@@ -55,6 +56,9 @@ void run(const Arguments& arguments) {
       arguments.frames_file.empty() ? std::vector<mba_vo::LoggedFrame>() : mba_vo::readFrameLog(arguments.frames_file);
   const mba_vo::EvaluationReport report = mba_vo::evaluateTrajectory(groundtruth, estimate, frames, arguments.options);
   mba_vo::writeTable(report, std::cout);
+  if (!arguments.plot_file.empty()) {
+    mba_vo::plotTrajectory(arguments.plot_file, groundtruth, report);
+  }
   if (!arguments.yaml_file.empty()) {
     std::ofstream yaml(arguments.yaml_file);
     mba_vo::writeYaml(report, yaml);

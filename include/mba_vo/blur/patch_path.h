@@ -40,8 +40,33 @@ struct PatchPath {
   float length() const;
 };
 
-/// Path of the patch around `pixel` (of the blurred image) for `inverse_depth` in the reference. Returns false if any
-/// part of the path is behind a camera. `trajectory` is relative to the reference.
+/// Makes the paths of many patches for one exposure trajectory (relative to the reference); what depends on the
+/// trajectory alone is computed once.
+class PatchPathMaker {
+ public:
+  PatchPathMaker(const PinholeCamera& reference_camera, const PinholeCamera& camera,
+                 const ExposureTrajectory& trajectory);
+
+  /// Path of the patch around `pixel` of the blurred image on the plane of `inverse_depth` in the reference. Returns
+  /// false if any part of the path is behind a camera.
+  bool make(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const;
+
+ private:
+  struct Moment {
+    Eigen::Matrix3d R;
+    Eigen::Vector3d p;
+    Matrix6 pose_factor;  // Ad(Exp(-u xi))
+    Matrix6 xi_factor;    // J_r(u xi)
+  };
+  static Moment momentAt(const ExposureTrajectory& trajectory, double u);
+
+  PinholeCamera reference_camera_;
+  PinholeCamera camera_;
+  bool moving_;
+  Moment start_, mid_, end_;
+};
+
+/// The same for a single patch.
 bool makePatchPath(const PinholeCamera& reference_camera, const PinholeCamera& camera,
                    const ExposureTrajectory& trajectory, const Eigen::Vector2d& pixel, double inverse_depth,
                    PatchPath& path);

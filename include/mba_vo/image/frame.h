@@ -10,10 +10,10 @@ namespace mba_vo {
 
 /// A camera image, ready for tracking: rectified, linear in light, with the time of mid-exposure.
 struct Frame {
-  std::uint64_t sequence = 0;      // number of the image at the input, gaps are lost images
-  std::int64_t stamp_ns = 0;       // stamp of the input message, whatever it refers to [ns]
+  std::uint64_t sequence = 0;        // number of the image at the input, gaps are lost images
+  std::int64_t stamp_ns = 0;         // stamp of the input message, whatever it refers to [ns]
   std::int64_t mid_exposure_ns = 0;  // time of mid-exposure [ns]
-  std::optional<double> exposure;  // [s]; nullopt = unknown, 0 = instantaneous
+  std::optional<double> exposure;    // [s]; nullopt = unknown, 0 = instantaneous
   ImagePyramid pyramid;
 
   double midExposureSeconds() const { return 1e-9 * static_cast<double>(mid_exposure_ns); }

@@ -1,27 +1,17 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
-#include <vector>
 
+#include <opencv2/core.hpp>
+
+#include "mba_vo/image/camera_calibration.h"
 #include "mba_vo/image/frame.h"
+#include "mba_vo/image/photometric_correction.h"
 
 namespace mba_vo {
-
-/// Calibration of a camera in the terms of sensor_msgs/CameraInfo.
-struct CameraCalibration {
-  int width = 0;                           // [px]
-  int height = 0;                          // [px]
-  double fx = 0, fy = 0, cx = 0, cy = 0;   // K [px]
-  std::string distortion_model = "plumb_bob";  // plumb_bob, rational_polynomial or equidistant; "" = none
-  std::vector<double> distortion;          // D
-};
-
-/// Photometric calibration in TUM mono form: pixel = response(vignette(x) * irradiance).
-struct PhotometricCalibration {
-  std::vector<double> inverse_response;    // 256 values, grey level -> irradiance; empty = use gamma
-  cv::Mat1f vignette;                      // attenuation in (0, 1]; empty = none
-};
 
 struct FrameBuilderConfig {
   int pyramid_levels = 6;
@@ -51,8 +41,8 @@ class FrameBuilder {
   const PinholeCamera& camera() const;
 
   /// `image`: 8- or 16-bit, 1, 3 (BGR) or 4 channels, of the calibration's size, else std::invalid_argument.
-  FrameConstPtr build(const cv::Mat& image, std::uint64_t sequence, std::int64_t stamp_ns,
-                      std::int64_t mid_exposure_ns, std::optional<double> exposure) const;
+  FrameConstPtr build(const cv::Mat& image, std::uint64_t sequence, std::int64_t stamp_ns, std::int64_t mid_exposure_ns,
+                      std::optional<double> exposure) const;
 
  private:
   class Impl;
