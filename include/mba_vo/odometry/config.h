@@ -4,6 +4,7 @@
 
 #include "mba_vo/image/frame_builder.h"
 #include "mba_vo/mapping/mapper_config.h"
+#include "mba_vo/tracking/keyframe_policy.h"
 #include "mba_vo/tracking/tracker.h"
 
 namespace mba_vo {
@@ -12,12 +13,14 @@ namespace mba_vo {
 struct OdometryConfig {
   FrameBuilderConfig image;
   TrackerConfig tracker;
+  KeyframePolicyConfig keyframe;
   MapperConfig mapper;
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
     v.section("image", c.image);
     v.section("tracker", c.tracker);
+    v.section("keyframe", c.keyframe);
     v.section("mapper", c.mapper);
   }
 };

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <optional>
+#include <vector>
+
+#include "mba_vo/tracking/alignment_problem.h"
+#include "mba_vo/tracking/motion_prior.h"
 #include "mba_vo/tracking/reference.h"
 #include "mba_vo/tracking/tracked_frame.h"
 
@@ -9,31 +14,61 @@ namespace mba_vo {
 struct TrackerConfig {
   int pyramid_levels = 5;
   int max_points = 440;
-  int max_iterations = 12;
+  int max_iterations = 15;
   double huber_threshold = 9.0;
   double sample_spacing_px = 1.25;
   int max_samples = 64;
+  double unknown_exposure = 0.01;
+  double min_inlier_fraction = 0.35;
+  double degraded_inlier_fraction = 0.6;
+  int min_patches = 20;
+  MotionPriorConfig motion_prior;
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
     v("pyramid_levels", c.pyramid_levels, 1, 8, "image pyramid levels");
     v("max_points", c.max_points, 20, 5000, "patches aligned per frame");
-    v("max_iterations", c.max_iterations, 1, 100, "Levenberg-Marquardt iterations per level");
+    v("max_iterations", c.max_iterations, 1, 100, "Levenberg-Marquardt evaluations per level");
     v("huber_threshold", c.huber_threshold, 0.1, 255.0, "Huber threshold of the residual [grey levels]");
     v("sample_spacing_px", c.sample_spacing_px, 0.1, 10.0, "spacing of samples along the blur path [px]");
     v("max_samples", c.max_samples, 1, 256, "most samples along the blur path");
+    v("unknown_exposure", c.unknown_exposure, 0.0, 1.0, "exposure assumed where it is unknown [s]");
+    v("min_inlier_fraction", c.min_inlier_fraction, 0.0, 1.0, "inlier pixels below which a frame is lost");
+    v("degraded_inlier_fraction", c.degraded_inlier_fraction, 0.0, 1.0, "inlier pixels below which it is degraded");
+    v("min_patches", c.min_patches, 5, 1000, "visible patches below which a frame is lost");
+    v.section("motion_prior", c.motion_prior);
   }
 };
 
-/// Blur-aware direct image alignment of one frame to one reference (Eq. 8 of the paper). Stateless.
+/// Where the alignment begins.
+struct TrackingGuess {
+  TrackingGuess(const ExposureTrajectory& t) : trajectory(t) {}  // NOLINT(google-explicit-constructor)
+  TrackingGuess(const MotionPrior& m, double exposure) : trajectory(m.predict(exposure)), motion(m) {}
+
+  ExposureTrajectory trajectory;      // relative to the reference; exposure 0: aligned as a sharp image
+  std::optional<MotionPrior> motion;  // also gives the priors and the alternative starts
+  AffineBrightness brightness;        // of the frame
+};
+
+/// Blur-aware direct image alignment of one frame to one reference (Eq. 8 of the paper), coarse to fine. Stateless.
 class Tracker {
  public:
   explicit Tracker(const TrackerConfig& config) : config_(config) {}
 
-  /// `guess` is relative to the reference; a guess with exposure 0 is aligned as a sharp image.
-  TrackedFrame track(const Reference& reference, const FrameConstPtr& frame, const ExposureTrajectory& guess) const;
+  /// Status is kTracking, kDegraded or kLost, with the reason.
+  TrackedFrame track(const Reference& reference, const FrameConstPtr& frame, const TrackingGuess& guess) const;
 
  private:
+  struct LevelResult;
+  AlignmentState bestStart(const Reference& reference, const Frame& frame, const TrackingGuess& guess, int level) const;
+  LevelResult align(const Reference& reference, const Frame& frame, const TrackingGuess& guess, int level,
+                    const AlignmentState& initial, int max_iterations) const;
+  LevelResult preferExpectedDirection(const Reference& reference, const Frame& frame, const TrackingGuess& guess,
+                                      LevelResult result) const;
+  std::optional<AlignmentPrior> priorFor(const Reference& reference, const TrackingGuess& guess,
+                                         const AlignmentState& state) const;
+  void judge(TrackedFrame& tracked) const;
+
   TrackerConfig config_;
 };
 

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "mba_vo/blur/reblur.h"
+#include "mba_vo/image/frame.h"
+#include "mba_vo/solver/normal_equations.h"
+#include "mba_vo/solver/robust_loss.h"
+#include "mba_vo/tracking/motion_prior.h"
+#include "mba_vo/tracking/reference.h"
+
+namespace mba_vo {
+
+/// What alignment estimates: mid pose, motion within the exposure, brightness of the frame relative to the reference
+/// (frame = exp(a) reference + b).
+struct AlignmentState {
+  SE3 T_reference_mid;
+  Vector6 xi = Vector6::Zero();
+  double a = 0.0;
+  double b = 0.0;
+};
+
+struct AlignmentOptions {
+  double huber_threshold = 9.0;  // [grey levels]
+  double sample_spacing_px = 1.25;
+  int max_samples = 64;
+  bool estimate_xi = true;      // false: the exposure is instantaneous, xi stays zero
+  double residual_sigma = 5.0;  // [grey levels] weight of the priors against the pixels, correlation included
+  double depth_noise = 3.0;     // [grey levels] pixel noise that the effect of depth uncertainty is compared with
+};
+
+/// Quadratic priors on the mid pose and on xi.
+struct AlignmentPrior {
+  SE3 T_reference_mid;
+  Vector6 pose_information = Vector6::Zero();
+  Vector6 xi = Vector6::Zero();
+  Vector6 xi_information = Vector6::Zero();
+};
+
+/// What the residuals say about the fit.
+struct AlignmentStatistics {
+  int patches = 0;               // with at least one valid pixel
+  int pixels = 0;                // valid
+  double inlier_fraction = 0.0;  // pixels below the Huber threshold, of all pixels that were to be used
+  double rms = 0.0;              // of the inliers [grey levels]
+  double weighted_rms = 0.0;     // of all valid pixels, Huber-weighted [grey levels]
+};
+
+/// Re-blurred patches of the reference against patches of the frame on one pyramid level (Eq. 8 of the paper): the
+/// problem that `minimize` solves. States: (delta of T_mid, epsilon of xi, a, b).
+class AlignmentProblem {
+ public:
+  static constexpr int kStates = 14;
+  using Step = Eigen::Matrix<double, kStates, 1>;
+
+  AlignmentProblem(const Reference& reference, const std::vector<int>& points, const Frame& frame, int level,
+                   const PatchPattern& pattern, const AlignmentOptions& options,
+                   const std::optional<AlignmentPrior>& prior, const AlignmentState& initial);
+
+  NormalEquations<kStates> linearize(const AlignmentState& state);
+  bool refresh(const AlignmentState& state);
+  static AlignmentState plus(const AlignmentState& state, const Step& step);
+  /// About how far the step moves the image [px on this level].
+  double stepSize(const Step& step) const;
+
+  int patches() const { return static_cast<int>(patches_.size()); }
+  /// Of the last call of linearize.
+  const AlignmentStatistics& statistics() const { return statistics_; }
+  double medianInverseDepth() const { return median_inverse_depth_; }
+
+ private:
+  struct Patch {
+    Eigen::Vector2d centre;  // integer pixel of the frame on this level
+    double inverse_depth;
+    double inverse_depth_variance;
+    Eigen::Matrix<float, kMaxPatchPixels, 1> intensity;  // of the frame, NaN where invalid
+  };
+  class Sums;
+
+  void selectPatches(const AlignmentState& state);
+  std::optional<Eigen::Vector2d> projectPoint(const ReferencePoint& point, const SE3& T_frame_reference) const;
+  void addPatch(const Patch& patch, const PatchPathMaker& maker, const AlignmentState& state,
+                NormalEquations<kStates>& equations, Sums& sums) const;
+  void addPriors(const AlignmentState& state, NormalEquations<kStates>& equations) const;
+
+  const Reference& reference_;
+  const std::vector<int>& points_;
+  const ImageLevel& reference_level_;
+  const ImageLevel& frame_level_;
+  const PatchPattern& pattern_;
+  AlignmentOptions options_;
+  std::optional<AlignmentPrior> prior_;
+  HuberLoss loss_;
+  std::vector<Patch> patches_;
+  SE3 T_selected_;  // mid pose at which the patches were chosen
+  double median_inverse_depth_ = 1.0;
+  AlignmentStatistics statistics_;
+};
+
+}  // namespace mba_vo

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "mba_vo/geometry/exposure_trajectory.h"
+
+namespace mba_vo {
+
+struct MotionPriorConfig {
+  double angular_acceleration = 20.0;  // standard deviation [rad/s^2]
+  double linear_acceleration = 10.0;   // standard deviation [median depths/s^2]
+
+  template <typename Config, typename Visitor>
+  static void describe(Config& c, Visitor& v) {
+    v("angular_acceleration", c.angular_acceleration, 0.01, 1e4, "std. deviation of angular acceleration [rad/s^2]");
+    v("linear_acceleration", c.linear_acceleration, 0.01, 1e4,
+      "std. deviation of linear acceleration [median scene depths/s^2]");
+  }
+};
+
+/// What is known about the motion before a frame is looked at: the previous frame's pose and velocity.
+struct MotionPrior {
+  ExposureTrajectory previous;  // relative to the reference of the coming alignment
+  double dt = 0.0;              // from the previous mid-exposure to this one [s]
+
+  /// Constant velocity over dt.
+  ExposureTrajectory predict(double exposure) const;
+
+  /// Motion within an exposure of this frame, given its mid pose. By the trapezoid rule the mean velocity between the
+  /// two frames is the mean of their velocities, which also tells the sign at a reversal.
+  Vector6 expectedXi(const SE3& T_reference_mid, double exposure) const;
+
+  /// Diagonal information of T_mid about the prediction, and of xi about expectedXi [1/rad^2, 1/m^2].
+  Vector6 poseInformation(const MotionPriorConfig& config, double median_depth) const;
+  Vector6 xiInformation(const MotionPriorConfig& config, double median_depth, double exposure) const;
+};
+
+}  // namespace mba_vo

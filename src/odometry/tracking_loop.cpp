@@ -1,0 +1,114 @@
+#include "mba_vo/odometry/tracking_loop.h"
+
+#include <algorithm>
+
+#include "mba_vo/tracking/motion_prior.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr double kLongestPrediction = 0.5;  // [s] no velocity is trusted further ahead
+
+TrackedFrameConstPtr untracked(const FrameConstPtr& frame, TrackingStatus status, const std::string& reason) {
+  auto tracked = std::make_shared<TrackedFrame>();
+  tracked->frame = frame;
+  tracked->status = status;
+  tracked->reason = reason;
+  return tracked;
+}
+
+/// True if the exposure is unknown, or the blur too short to measure a velocity by.
+bool velocityUnobserved(const TrackedFrame& tracked) {
+  return !tracked.frame->exposure || *tracked.frame->exposure <= 0.0 || tracked.xi_prior_limited;
+}
+
+}  // namespace
+
+class TrackingLoop::Impl {
+ public:
+  explicit Impl(const OdometryConfig& config)
+      : tracker_config_(config.tracker), tracker_(config.tracker), keyframe_policy_(config.keyframe) {}
+
+  TrackedFrameConstPtr process(const FrameConstPtr& frame) {
+    if (!reference_) return untracked(frame, TrackingStatus::kInitializing, "no map yet");
+    MotionPrior prior;
+    prior.previous = last_;
+    prior.dt = std::clamp(1e-9 * static_cast<double>(frame->mid_exposure_ns - last_ns_), 0.0, kLongestPrediction);
+    TrackingGuess guess(prior, frame->exposure.value_or(tracker_config_.unknown_exposure));
+    guess.brightness = brightness_;
+    auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
+    if (tracked->tracked()) {
+      updatePrior(*tracked);
+      T_odom_camera_ = T_odom_reference_ * last_.T_reference_mid;
+      tracked->keyframe_requested = keyframe_policy_.takes(*reference_, *tracked);
+    }
+    return tracked;
+  }
+
+  void adopt(const ReferenceConstPtr& reference) {
+    if (reference_ && reference_->id.map_id == reference->id.map_id) {
+      const SE3 T_new_old = T_newReference_oldReference(*reference);
+      last_.T_reference_mid = T_new_old * last_.T_reference_mid;
+      T_odom_reference_ = T_odom_reference_ * T_new_old.inverse();
+    } else if (reference->hint) {
+      last_ = reference->hint->trajectory;
+      last_ns_ = reference->hint->mid_exposure_ns;
+      T_odom_reference_ = T_odom_camera_ * last_.T_reference_mid.inverse();
+      brightness_ = reference->brightness;
+    } else {
+      return;  // nothing says where the camera is in this map
+    }
+    reference_ = reference;
+  }
+
+  void reset() {
+    reference_.reset();
+    T_odom_camera_ = SE3();
+    T_odom_reference_ = SE3();
+  }
+
+  const SE3& T_odom_camera() const { return T_odom_camera_; }
+  SE3 T_map_odom() const { return reference_ ? reference_->T_map_reference * T_odom_reference_.inverse() : SE3(); }
+  ReferenceConstPtr reference() const { return reference_; }
+
+ private:
+  /// Through the poses that came with the new snapshot: map coordinates of different moments do not mix.
+  SE3 T_newReference_oldReference(const Reference& next) const {
+    const auto found = next.T_map_keyframe.find(reference_->id.keyframe_id);
+    const SE3 T_map_old = found != next.T_map_keyframe.end() ? found->second : reference_->T_map_reference;
+    return next.T_map_reference.inverse() * T_map_old;
+  }
+
+  void updatePrior(const TrackedFrame& tracked) {
+    const double dt = 1e-9 * static_cast<double>(tracked.frame->mid_exposure_ns - last_ns_);
+    const SE3 T_previous_mid = last_.T_reference_mid;
+    last_ = tracked.trajectory;
+    // Where the exposure does not tell the velocity, the mean since the previous frame serves.
+    if (dt > 0.0 && dt < kLongestPrediction && velocityUnobserved(tracked)) {
+      last_.velocity = (T_previous_mid.inverse() * last_.T_reference_mid).log() / dt;
+    }
+    last_ns_ = tracked.frame->mid_exposure_ns;
+    brightness_ = tracked.brightness;
+  }
+
+  TrackerConfig tracker_config_;
+  Tracker tracker_;
+  KeyframePolicy keyframe_policy_;
+  ReferenceConstPtr reference_;
+  ExposureTrajectory last_;  // of the last tracked frame, relative to reference_
+  std::int64_t last_ns_ = 0;
+  AffineBrightness brightness_;
+  SE3 T_odom_camera_;
+  SE3 T_odom_reference_;
+};
+
+TrackingLoop::TrackingLoop(const OdometryConfig& config) : impl_(std::make_unique<Impl>(config)) {}
+TrackingLoop::~TrackingLoop() = default;
+TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame) { return impl_->process(frame); }
+void TrackingLoop::adopt(const ReferenceConstPtr& reference) { impl_->adopt(reference); }
+void TrackingLoop::reset() { impl_->reset(); }
+const SE3& TrackingLoop::T_odom_camera() const { return impl_->T_odom_camera(); }
+SE3 TrackingLoop::T_map_odom() const { return impl_->T_map_odom(); }
+ReferenceConstPtr TrackingLoop::reference() const { return impl_->reference(); }
+
+}  // namespace mba_vo

@@ -1,0 +1,211 @@
+#include "mba_vo/tracking/alignment_problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mba_vo {
+namespace {
+
+constexpr double kReselectShift = 1.0;  // [px] mean motion of the points after which the patches are chosen anew
+constexpr double kBrightnessGainSigma = 1.0;
+constexpr double kBrightnessOffsetSigma = 50.0;  // [grey levels]
+// Per pixel: gradient moments (6), predicted intensity, one.
+constexpr int kMoments = 8;
+
+using MomentMatrix = Eigen::Matrix<float, kMoments, kMaxPatchPixels>;
+
+}  // namespace
+
+class AlignmentProblem::Sums {
+ public:
+  void add(double residual, double weight, double threshold) {
+    ++pixels_;
+    weighted_squares_ += weight * residual * residual;
+    if (std::abs(residual) <= threshold) {
+      ++inliers_;
+      inlier_squares_ += residual * residual;
+    }
+  }
+  void addPatch() { ++patches_; }
+  void expect(int pixels) { expected_ += pixels; }
+
+  AlignmentStatistics statistics() const {
+    AlignmentStatistics s;
+    s.patches = patches_;
+    s.pixels = pixels_;
+    s.inlier_fraction = expected_ > 0 ? static_cast<double>(inliers_) / expected_ : 0.0;
+    s.rms = inliers_ > 0 ? std::sqrt(inlier_squares_ / inliers_) : 0.0;
+    s.weighted_rms = pixels_ > 0 ? std::sqrt(weighted_squares_ / pixels_) : 0.0;
+    return s;
+  }
+
+ private:
+  int patches_ = 0;
+  int pixels_ = 0;
+  int inliers_ = 0;
+  int expected_ = 0;
+  double inlier_squares_ = 0.0;
+  double weighted_squares_ = 0.0;
+};
+
+AlignmentProblem::AlignmentProblem(const Reference& reference, const std::vector<int>& points, const Frame& frame,
+                                   int level, const PatchPattern& pattern, const AlignmentOptions& options,
+                                   const std::optional<AlignmentPrior>& prior, const AlignmentState& initial)
+    : reference_(reference),
+      points_(points),
+      reference_level_(reference.pyramid->level(level)),
+      frame_level_(frame.pyramid.level(level)),
+      pattern_(pattern),
+      options_(options),
+      prior_(prior),
+      loss_(options.huber_threshold) {
+  selectPatches(initial);
+}
+
+std::optional<Eigen::Vector2d> AlignmentProblem::projectPoint(const ReferencePoint& point,
+                                                              const SE3& T_frame_reference) const {
+  const Eigen::Vector3d ray = reference_.pyramid->level(0).camera.unproject(point.pixel.cast<double>());
+  const Eigen::Vector3d p = T_frame_reference * (ray / static_cast<double>(point.inverse_depth));
+  if (p.z() <= 0.0) return std::nullopt;
+  return frame_level_.camera.project(p);
+}
+
+void AlignmentProblem::selectPatches(const AlignmentState& state) {
+  T_selected_ = state.T_reference_mid;
+  const SE3 T_frame_reference = T_selected_.inverse();
+  patches_.clear();
+  patches_.reserve(points_.size());
+  for (const int index : points_) {
+    const ReferencePoint& point = reference_.points[static_cast<std::size_t>(index)];
+    const auto projection = projectPoint(point, T_frame_reference);
+    if (!projection) continue;
+    const Eigen::Vector2d centre(std::round(projection->x()), std::round(projection->y()));
+    if (!frame_level_.camera.contains(centre, pattern_.radius)) continue;
+    Patch patch{centre, static_cast<double>(point.inverse_depth), static_cast<double>(point.variance), {}};
+    const int x = static_cast<int>(centre.x());
+    const int y = static_cast<int>(centre.y());
+    for (int k = 0; k < pattern_.size; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      patch.intensity(k) = frame_level_.intensity(y + pattern_.dy[i], x + pattern_.dx[i]);
+    }
+    patches_.push_back(patch);
+  }
+  if (patches_.empty()) return;
+  std::vector<double> inverse_depths;
+  inverse_depths.reserve(patches_.size());
+  for (const Patch& patch : patches_) inverse_depths.push_back(patch.inverse_depth);
+  const auto middle = inverse_depths.begin() + static_cast<std::ptrdiff_t>(inverse_depths.size() / 2);
+  std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
+  median_inverse_depth_ = *middle;
+}
+
+bool AlignmentProblem::refresh(const AlignmentState& state) {
+  const Vector6 moved = (T_selected_.inverse() * state.T_reference_mid).log();
+  Step step = Step::Zero();
+  step.head<6>() = moved;
+  if (stepSize(step) < kReselectShift) return false;
+  selectPatches(state);
+  return true;
+}
+
+AlignmentState AlignmentProblem::plus(const AlignmentState& state, const Step& step) {
+  return {state.T_reference_mid * SE3::exp(step.head<6>()), state.xi + step.segment<6>(6), state.a + step(12),
+          state.b + step(13)};
+}
+
+double AlignmentProblem::stepSize(const Step& step) const {
+  const auto motion = [&](int first) {
+    return frame_level_.camera.fx *
+           (median_inverse_depth_ * step.segment<3>(first).norm() + step.segment<3>(first + 3).norm());
+  };
+  return std::max(motion(0), 0.5 * motion(6));
+}
+
+void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker, const AlignmentState& state,
+                                NormalEquations<kStates>& equations, Sums& sums) const {
+  const int size = pattern_.size;
+  sums.expect(size);
+  // A pixel that leaves the reference costs as much as one at the edge of being an outlier: leaving never pays.
+  const double cost_of_leaving = loss_.cost(loss_.threshold());
+  PatchPath path;
+  if (!maker.make(patch.centre, patch.inverse_depth, path)) {
+    equations.cost += size * cost_of_leaving;
+    return;
+  }
+  ReblurredPatch predicted;
+  reblurPatch(reference_level_, path, pattern_,
+              sampleCount(path.length(), static_cast<float>(options_.sample_spacing_px), options_.max_samples),
+              predicted);
+  const auto gain = static_cast<float>(std::exp(state.a));
+  const auto offset = static_cast<float>(state.b);
+  const double noise2 = options_.depth_noise * options_.depth_noise;
+  const auto sigma = static_cast<float>(std::sqrt(patch.inverse_depth_variance));
+  const Eigen::Vector2f depth_effect = sigma * path.J_inverse_depth[0].cast<float>();
+
+  MomentMatrix moments = MomentMatrix::Zero();
+  MomentMatrix weighted = MomentMatrix::Zero();
+  Eigen::Matrix<float, kMaxPatchPixels, 1> residuals = Eigen::Matrix<float, kMaxPatchPixels, 1>::Zero();
+  double cost = 0.0;
+  bool any = false;
+  for (int k = 0; k < size; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    const float value = predicted.value[i];
+    const float residual = patch.intensity(k) - (gain * value + offset);
+    if (!std::isfinite(residual)) {
+      cost += cost_of_leaving;
+      continue;
+    }
+    any = true;
+    const double depth_noise = gain * (predicted.gx[i] * depth_effect.x() + predicted.gy[i] * depth_effect.y());
+    const double certainty = noise2 / (noise2 + depth_noise * depth_noise);
+    const double weight = certainty * loss_.weight(residual);
+    cost += certainty * loss_.cost(residual) + (1.0 - certainty) * cost_of_leaving;
+    sums.add(residual, weight, loss_.threshold());
+    moments.col(k) << predicted.gx[i], predicted.gy[i], predicted.ugx[i], predicted.ugy[i], predicted.uugx[i],
+        predicted.uugy[i], value, 1.0F;
+    weighted.col(k) = static_cast<float>(weight) * moments.col(k);
+    residuals(k) = residual;
+  }
+  equations.cost += cost;
+  if (!any) return;
+  sums.addPatch();
+
+  // Residual = B - (e^a Bhat + b), so its Jacobian is -K^T times the moments.
+  Eigen::Matrix<double, kMoments, kStates> K = Eigen::Matrix<double, kMoments, kStates>::Zero();
+  const double g = gain;
+  K.block<2, 6>(0, 0) = g * path.J_pose[0];
+  K.block<2, 6>(2, 0) = g * path.J_pose[1];
+  K.block<2, 6>(2, 6) = g * path.J_xi[0];
+  K.block<2, 6>(4, 6) = g * path.J_xi[1];
+  K(6, 12) = g;
+  K(7, 13) = 1.0;
+  const Eigen::Matrix<double, kMoments, kMoments> M = (weighted * moments.transpose()).cast<double>();
+  const Eigen::Matrix<double, kMoments, 1> v = (weighted * residuals).cast<double>();
+  equations.hessian.noalias() += K.transpose() * (M * K);
+  equations.gradient.noalias() -= K.transpose() * v;
+}
+
+void AlignmentProblem::addPriors(const AlignmentState& state, NormalEquations<kStates>& equations) const {
+  const double scale = options_.residual_sigma * options_.residual_sigma;
+  const Eigen::Vector2d brightness_information(1.0 / (kBrightnessGainSigma * kBrightnessGainSigma),
+                                               1.0 / (kBrightnessOffsetSigma * kBrightnessOffsetSigma));
+  equations.addPrior<2>(12, Eigen::Vector2d(state.a, state.b), scale * brightness_information);
+  if (!prior_) return;
+  // Log(T_prior^-1 T Exp(d)) ~ Log(T_prior^-1 T) + d for the small deviations where the prior matters.
+  const Vector6 deviation = (prior_->T_reference_mid.inverse() * state.T_reference_mid).log();
+  equations.addPrior<6>(0, deviation, scale * prior_->pose_information);
+  equations.addPrior<6>(6, state.xi - prior_->xi, scale * prior_->xi_information);
+}
+
+NormalEquations<AlignmentProblem::kStates> AlignmentProblem::linearize(const AlignmentState& state) {
+  NormalEquations<kStates> equations;
+  Sums sums;
+  const PatchPathMaker maker(reference_level_.camera, frame_level_.camera, {state.T_reference_mid, state.xi, 1.0});
+  for (const Patch& patch : patches_) addPatch(patch, maker, state, equations, sums);
+  addPriors(state, equations);
+  if (!options_.estimate_xi) equations.fix(6, 6);
+  statistics_ = sums.statistics();
+  return equations;
+}
+
+}  // namespace mba_vo

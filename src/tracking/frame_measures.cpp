@@ -1,0 +1,44 @@
+#include "mba_vo/tracking/frame_measures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace mba_vo {
+
+FrameMeasures measureFrame(const Reference& reference, const ExposureTrajectory& trajectory) {
+  FrameMeasures measures;
+  if (reference.points.empty()) return measures;
+  const PinholeCamera& camera = reference.pyramid->level(0).camera;
+  const SE3 T_mid = trajectory.T_reference_mid.inverse();
+  const SE3 T_start = trajectory.start().inverse();
+  const SE3 T_end = trajectory.end().inverse();
+  std::vector<double> blur;
+  double flow2 = 0.0;
+  double parallax2 = 0.0;
+  for (const ReferencePoint& point : reference.points) {
+    const Eigen::Vector2d pixel = point.pixel.cast<double>();
+    const Eigen::Vector3d P = camera.unproject(pixel) / static_cast<double>(point.inverse_depth);
+    const Eigen::Vector3d mid = T_mid * P;
+    const Eigen::Vector3d rotated = T_mid.rotation() * P;
+    const Eigen::Vector3d start = T_start * P;
+    const Eigen::Vector3d end = T_end * P;
+    if (mid.z() <= 0.0 || rotated.z() <= 0.0 || start.z() <= 0.0 || end.z() <= 0.0) continue;
+    const Eigen::Vector2d in_frame = camera.project(mid);
+    if (!camera.contains(in_frame)) continue;
+    flow2 += (in_frame - pixel).squaredNorm();
+    parallax2 += (in_frame - camera.project(rotated)).squaredNorm();
+    blur.push_back((camera.project(end) - camera.project(start)).norm());
+  }
+  if (blur.empty()) return measures;
+  const auto count = static_cast<double>(blur.size());
+  const auto middle = blur.begin() + static_cast<std::ptrdiff_t>(blur.size() / 2);
+  std::nth_element(blur.begin(), middle, blur.end());
+  measures.blur_length_px = *middle;
+  measures.flow_px = std::sqrt(flow2 / count);
+  measures.parallax_px = std::sqrt(parallax2 / count);
+  measures.visible_fraction = count / static_cast<double>(reference.points.size());
+  return measures;
+}
+
+}  // namespace mba_vo
