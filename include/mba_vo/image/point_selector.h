@@ -14,10 +14,11 @@ namespace mba_vo {
 /// Where 2x2 (or 4x4) cells in a row found nothing, one point is taken there if the gradient of the next (or second
 /// next) coarser level exceeds a lowered threshold, so that smooth shading and faint texture count too.
 /// Which pixel of a cell is best is judged by the gradient along a direction that changes from cell to cell, so that
-/// edges of all directions are represented. Pixels nearer than `border` to the edge or to an invalid pixel are left out.
+/// edges of all directions are represented. Pixels nearer than `border` to the edge or to an invalid pixel are left
+/// out.
 struct PointSelectorConfig {
-  double gradient_margin = 7.0;  // [grey levels / px]
-  int border = 8;                // [px]
+  double gradient_margin = 7.0;        // [grey levels / px]
+  int border = 8;                      // [px]
   double coarse_margin_factor = 0.75;  // of gradient_margin, once per coarser level
 };
 

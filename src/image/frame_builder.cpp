@@ -1,0 +1,59 @@
+#include "mba_vo/image/frame_builder.h"
+
+#include <sstream>
+#include <stdexcept>
+
+#include "mba_vo/image/rectifier.h"
+
+namespace mba_vo {
+
+class FrameBuilder::Impl {
+ public:
+  Impl(const CameraCalibration& calibration, const PhotometricCalibration& photometric,
+       const FrameBuilderConfig& config)
+      : rectifier_(calibration),
+        correction_(photometric, config.gamma, {calibration.width, calibration.height}),
+        levels_(config.pyramid_levels) {
+    if (levels_ < 1) {
+      throw std::invalid_argument("pyramid_levels is " + std::to_string(levels_) + ", must be at least 1");
+    }
+  }
+
+  const PinholeCamera& camera() const { return rectifier_.camera(); }
+
+  ImagePyramid makePyramid(const cv::Mat& image) const {
+    if (image.cols != camera().width || image.rows != camera().height) {
+      std::ostringstream message;
+      message << "image is " << image.cols << "x" << image.rows << ", the camera calibration says " << camera().width
+              << "x" << camera().height;
+      throw std::invalid_argument(message.str());
+    }
+    return {rectifier_.rectify(correction_.apply(image)), camera(), levels_};
+  }
+
+ private:
+  Rectifier rectifier_;
+  PhotometricCorrection correction_;
+  int levels_;
+};
+
+FrameBuilder::FrameBuilder(const CameraCalibration& calibration, const PhotometricCalibration& photometric,
+                           const FrameBuilderConfig& config)
+    : impl_(std::make_unique<Impl>(calibration, photometric, config)) {}
+FrameBuilder::~FrameBuilder() = default;
+FrameBuilder::FrameBuilder(FrameBuilder&&) noexcept = default;
+
+const PinholeCamera& FrameBuilder::camera() const { return impl_->camera(); }
+
+FrameConstPtr FrameBuilder::build(const cv::Mat& image, std::uint64_t sequence, std::int64_t stamp_ns,
+                                  std::int64_t mid_exposure_ns, std::optional<double> exposure) const {
+  auto frame = std::make_shared<Frame>();
+  frame->sequence = sequence;
+  frame->stamp_ns = stamp_ns;
+  frame->mid_exposure_ns = mid_exposure_ns;
+  frame->exposure = exposure;
+  frame->pyramid = impl_->makePyramid(image);
+  return frame;
+}
+
+}  // namespace mba_vo

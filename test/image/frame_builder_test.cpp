@@ -1,0 +1,124 @@
+#include "mba_vo/image/frame_builder.h"
+
+#include <functional>
+#include <stdexcept>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace mba_vo {
+namespace {
+
+CameraCalibration undistorted() { return {128, 96, 100.0, 101.0, 63.0, 47.0, "plumb_bob", {0, 0, 0, 0, 0}}; }
+
+cv::Mat1b noiseImage() {
+  cv::Mat1b image(96, 128);
+  cv::RNG rng(7);
+  rng.fill(image, cv::RNG::UNIFORM, 0, 256);
+  return image;
+}
+
+std::string messageOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FrameBuilder, UndistortedLinearImagePassesBitExact) {
+  const FrameBuilder builder(undistorted(), {}, {});
+  const cv::Mat1b image = noiseImage();
+  const FrameConstPtr frame = builder.build(image, 12, 1000, 2000, 0.02);
+  EXPECT_EQ(frame->sequence, 12U);
+  EXPECT_EQ(frame->stamp_ns, 1000);
+  EXPECT_EQ(frame->mid_exposure_ns, 2000);
+  EXPECT_EQ(frame->exposure, 0.02);
+  EXPECT_EQ(builder.camera().fy, 101.0);
+  const ImageLevel& level = frame->pyramid.level(0);
+  EXPECT_EQ(level.camera.cx, 63.0);
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) ASSERT_EQ(level.intensity(y, x), static_cast<float>(image(y, x)));
+  }
+}
+
+TEST(FrameBuilder, UnknownExposureStaysUnknown) {
+  EXPECT_FALSE(FrameBuilder(undistorted(), {}, {}).build(noiseImage(), 0, 0, 0, std::nullopt)->exposure.has_value());
+}
+
+TEST(FrameBuilder, GreyWhateverTheEncoding) {
+  const FrameBuilder builder(undistorted(), {}, {});
+  const cv::Mat1b grey = noiseImage();
+  cv::Mat colour;
+  cv::merge(std::vector<cv::Mat>{grey, grey, grey}, colour);
+  cv::Mat deep;
+  grey.convertTo(deep, CV_16U, 257.0);
+  for (const cv::Mat& image : {colour, deep}) {
+    const FrameConstPtr frame = builder.build(image, 0, 0, 0, 0.0);
+    for (int i = 0; i < 96; ++i) {
+      EXPECT_NEAR(frame->pyramid.level(0).intensity(i, i), static_cast<float>(grey(i, i)), 1e-3F);
+    }
+  }
+}
+
+TEST(FrameBuilder, FramesDoNotShareTheInputsMemory) {
+  const FrameBuilder builder(undistorted(), {}, {});
+  cv::Mat1b image = noiseImage();
+  const FrameConstPtr frame = builder.build(image, 0, 0, 0, 0.0);
+  const float before = frame->pyramid.level(0).intensity(5, 5);
+  image.setTo(0);
+  EXPECT_EQ(frame->pyramid.level(0).intensity(5, 5), before);
+}
+
+TEST(FrameBuilder, ImageOfAnotherSizeNamesBothSizes) {
+  const FrameBuilder builder(undistorted(), {}, {});
+  const std::string message = messageOf([&] { builder.build(cv::Mat1b(48, 64), 0, 0, 0, 0.0); });
+  EXPECT_NE(message.find("64x48"), std::string::npos) << message;
+  EXPECT_NE(message.find("128x96"), std::string::npos) << message;
+  EXPECT_NE(messageOf([&] { builder.build(cv::Mat(), 0, 0, 0, 0.0); }), "");
+}
+
+TEST(FrameBuilder, ImpossibleCalibrationNamesWhatIsWrong) {
+  struct Case {
+    std::function<void(CameraCalibration&)> spoil;
+    std::vector<std::string> expected;
+  };
+  const std::vector<Case> cases{
+      {[](CameraCalibration& c) { c.width = 0; }, {"width", "0"}},
+      {[](CameraCalibration& c) { c.height = -5; }, {"height", "-5"}},
+      {[](CameraCalibration& c) { c.fx = -1.0; }, {"fx", "-1"}},
+      {[](CameraCalibration& c) { c.fy = 0.0; }, {"fy", "0"}},
+      {[](CameraCalibration& c) { c.cx = std::nan(""); }, {"cx", "nan"}},
+      {[](CameraCalibration& c) { c.distortion_model = "kannala"; }, {"kannala", "equidistant", "plumb_bob"}},
+      {[](CameraCalibration& c) {
+         c.distortion = {0.1, 0.2, 0.3};
+       },
+       {"plumb_bob", "3", "4 or 5"}},
+      {[](CameraCalibration& c) { c.distortion_model = "rational_polynomial"; }, {"rational_polynomial", "5", "8"}},
+      {[](CameraCalibration& c) { c.distortion_model = "equidistant"; }, {"equidistant", "5", "4"}},
+      {[](CameraCalibration& c) { c.distortion[1] = INFINITY; }, {"coefficient", "inf"}},
+      {[](CameraCalibration& c) {
+         c.distortion_model = "";
+         c.distortion[0] = 0.1;
+       },
+       {"distortion model", "empty"}}};
+  for (const Case& test : cases) {
+    CameraCalibration calibration = undistorted();
+    test.spoil(calibration);
+    const std::string message = messageOf([&] { FrameBuilder(calibration, {}, {}); });
+    for (const std::string& word : test.expected) EXPECT_NE(message.find(word), std::string::npos) << message;
+  }
+}
+
+TEST(FrameBuilder, ImpossibleConfigurationIsRejected) {
+  FrameBuilderConfig config;
+  config.pyramid_levels = 0;
+  EXPECT_NE(messageOf([&] { FrameBuilder(undistorted(), {}, config); }).find("pyramid_levels"), std::string::npos);
+  config = {};
+  config.gamma = -1.0;
+  EXPECT_NE(messageOf([&] { FrameBuilder(undistorted(), {}, config); }).find("gamma"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace mba_vo
