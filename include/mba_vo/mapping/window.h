@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "mba_vo/geometry/exposure_trajectory.h"
@@ -17,6 +18,11 @@ struct WindowConfig {
   int max_iterations = 6;
   double huber_threshold = 9.0;
   bool reblur_targets = true;
+  double gradient_constant = 50.0;
+  double sample_spacing_px = 1.25;
+  int max_samples = 64;
+  double brightness_gain_sigma = 0.5;
+  double brightness_offset_sigma = 30.0;
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
@@ -25,6 +31,14 @@ struct WindowConfig {
     v("max_iterations", c.max_iterations, 1, 50, "iterations of the bundle adjustment per keyframe");
     v("huber_threshold", c.huber_threshold, 0.1, 255.0, "Huber threshold of the residual [grey levels]");
     v("reblur_targets", c.reblur_targets, "compare the re-blurred host patch with the target's original image");
+    v("gradient_constant", c.gradient_constant, 0.0, 1000.0,
+      "c of the residual weight c^2 / (c^2 + gradient^2), 0 = no weight [grey levels / px]");
+    v("sample_spacing_px", c.sample_spacing_px, 0.1, 10.0, "spacing of samples along the blur path [px]");
+    v("max_samples", c.max_samples, 1, 256, "most samples along the blur path");
+    v("brightness_gain_sigma", c.brightness_gain_sigma, 1e-6, 10.0,
+      "weak prior on a keyframe's log gain a, relative to none");
+    v("brightness_offset_sigma", c.brightness_offset_sigma, 1e-4, 1000.0,
+      "weak prior on a keyframe's brightness offset b, relative to none [grey levels]");
   }
 };
 
@@ -36,7 +50,7 @@ struct WindowKeyframe {
   std::shared_ptr<const ImagePyramid> sharp;     // used as host image
   std::shared_ptr<const ImagePyramid> original;  // used as target image
   SE3 T_map_keyframe;
-  Vector6 xi = Vector6::Zero();                  // motion within its exposure, camera frame
+  Vector6 xi = Vector6::Zero();  // motion within its exposure, camera frame
   AffineBrightness brightness;
 };
 
@@ -44,13 +58,15 @@ struct WindowKeyframe {
 struct WindowPoint {
   PointId id = 0;
   KeyframeId host = 0;
-  Eigen::Vector2d pixel;      // in the host
+  Eigen::Vector2d pixel;  // in the host
   double inverse_depth = 0.0;
-  double variance = 0.0;      // of the inverse depth, from the Hessian
+  double variance = 0.0;  // of the inverse depth, from the Hessian, for unit variance of a residual [1/m^2]
   int good_residuals = 0;
   double relative_baseline = 0.0;  // largest translation to a target over depth
+  bool visible_in_newest = false;  // good residual in the newest keyframe (or hosted by it)
 };
 
+/// Costs count outliers with their threshold. The thresholds follow the residuals, so they may differ between the two.
 struct WindowSummary {
   double initial_cost = 0.0;
   double final_cost = 0.0;
@@ -63,20 +79,28 @@ struct WindowSummary {
 /// first-estimates Jacobians, Schur complement, CHOLMOD, and marginalisation of old keyframes into a quadratic prior.
 class Window {
  public:
+  /// Results are bit-identical whatever `deterministic` is and however many threads TBB uses: sums have a fixed order.
   Window(const WindowConfig& config, bool deterministic);
   ~Window();
 
   void addKeyframe(const WindowKeyframe& keyframe);
   /// Adds a point with residuals to every other keyframe of the window in which it is visible.
   PointId addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth);
+  /// Refines the inverse depth of a new point against all keyframes, poses fixed, and adds the point if enough of them
+  /// agree and its depth is well determined.
+  std::optional<PointId> activatePoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth);
   /// Adds the residuals of all existing points into a keyframe just added.
   void addResidualsTo(KeyframeId target);
 
   /// Levenberg-Marquardt on all states; re-classifies residuals as inliers and outliers; drops points left without any.
   WindowSummary optimize(int max_iterations);
 
-  /// Keyframes to marginalise now so that the window keeps its size (at most max_keyframes - 1 remain before a new one).
+  /// Keyframes to marginalise now so that the window keeps its size (at most max_keyframes - 1 remain before a new
+  /// one).
   std::vector<KeyframeId> keyframesToMarginalize() const;
+  /// Moves points that neither of the two newest keyframes sees any more into the prior, if they are well enough
+  /// observed, else drops them. `marginalize` does this too.
+  void marginalizePoints();
   /// Moves the keyframe, and the points it hosts that are well enough observed, into the prior; drops the rest.
   void marginalize(KeyframeId keyframe);
 
@@ -84,6 +108,9 @@ class Window {
   SE3 T_map_keyframe(KeyframeId id) const;
   AffineBrightness brightness(KeyframeId id) const;
   std::vector<WindowPoint> points() const;
+  int pointCount() const;
+  /// Share of the points ever hosted by the keyframe that the newest keyframe still sees.
+  double visibleFraction(KeyframeId id) const;
 
  private:
   class Impl;

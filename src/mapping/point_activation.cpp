@@ -1,0 +1,64 @@
+#include "mba_vo/mapping/point_activation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace mba_vo {
+namespace {
+
+constexpr double kMinDistance = 2.0;    // [px]
+constexpr double kMaxDistance = 30.0;   // [px]
+constexpr double kCertainSearch = 8.0;  // [px] a longer last search leaves the depth ambiguous
+constexpr double kMinQuality = 3.0;
+constexpr double kBorder = 5.0;  // [px]
+
+}  // namespace
+
+SpacingGrid::SpacingGrid(const PinholeCamera& camera, double distance_px)
+    : distance_px_(distance_px),
+      columns_(static_cast<int>(std::ceil(camera.width / distance_px)) + 1),
+      rows_(static_cast<int>(std::ceil(camera.height / distance_px)) + 1),
+      occupied_(static_cast<std::size_t>(columns_ * rows_), false) {}
+
+std::size_t SpacingGrid::cell(const Eigen::Vector2d& pixel) const {
+  const int column = std::clamp(static_cast<int>(pixel.x() / distance_px_), 0, columns_ - 1);
+  const int row = std::clamp(static_cast<int>(pixel.y() / distance_px_), 0, rows_ - 1);
+  return static_cast<std::size_t>(row * columns_ + column);
+}
+
+double adaptedDistance(double distance_px, int points, int wanted) {
+  const double ratio = static_cast<double>(points) / std::max(wanted, 1);
+  const double factor = std::clamp(std::sqrt(ratio), 0.8, 1.25);
+  return std::clamp(factor * distance_px, kMinDistance, kMaxDistance);
+}
+
+bool isReadyToActivate(const ImmaturePoint& point) {
+  using State = ImmaturePoint::State;
+  const bool searched = point.state == State::kGood || point.state == State::kSkipped ||
+                        point.state == State::kBadCondition || point.state == State::kOutOfBounds;
+  return searched && point.hasDepth() && point.inverseDepth() > 0.0 && point.last_search_length_px < kCertainSearch &&
+         point.quality > kMinQuality;
+}
+
+std::vector<ReferencePoint> projectPoints(const Window& window, const PinholeCamera& camera, const SE3& T_map_camera) {
+  std::map<KeyframeId, SE3> T_camera_host;
+  for (const KeyframeId id : window.keyframes()) {
+    T_camera_host[id] = T_map_camera.inverse() * window.T_map_keyframe(id);
+  }
+  std::vector<ReferencePoint> projected;
+  for (const WindowPoint& point : window.points()) {
+    const Eigen::Vector3d in_host = camera.unproject(point.pixel) / point.inverse_depth;
+    const Eigen::Vector3d p = T_camera_host.at(point.host) * in_host;
+    if (p.z() <= 0.0) continue;
+    const Eigen::Vector2d pixel = camera.project(p);
+    if (!camera.contains(pixel, kBorder)) continue;
+    const double inverse_depth = 1.0 / p.z();
+    const double ratio = inverse_depth / point.inverse_depth;
+    const double variance = point.variance * ratio * ratio * ratio * ratio;
+    projected.push_back({pixel.cast<float>(), static_cast<float>(inverse_depth), static_cast<float>(variance)});
+  }
+  return projected;
+}
+
+}  // namespace mba_vo

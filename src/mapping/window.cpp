@@ -1,0 +1,234 @@
+#include "mba_vo/mapping/window.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "mba_vo/mapping/keyframe_retirement.h"
+#include "mba_vo/mapping/point_activation.h"
+#include "mba_vo/mapping/window_marginalizer.h"
+#include "mba_vo/mapping/window_optimizer.h"
+
+namespace mba_vo {
+namespace {
+
+// Gauge: the pose of the first keyframe and the scale of the first window cannot be observed, so the strength of the
+// priors that hold them does not change the estimate.
+constexpr double kPoseAnchor = 1e10;        // information of the first pose [1/m^2, 1/rad^2]
+constexpr double kScaleAnchor = 1e10;       // information of the log of the scale
+constexpr double kBrightnessAnchor = 1e10;  // information of the first keyframe's a and b
+
+ResidualOptions residualOptions(const WindowConfig& config) {
+  ResidualOptions options;
+  options.huber_threshold = static_cast<float>(config.huber_threshold);
+  options.gradient_constant = static_cast<float>(config.gradient_constant);
+  options.sample_spacing_px = static_cast<float>(config.sample_spacing_px);
+  options.max_samples = config.max_samples;
+  return options;
+}
+
+void check(const WindowKeyframe& keyframe, const WindowConfig& config) {
+  const std::string name = "window: keyframe " + std::to_string(keyframe.id);
+  if (keyframe.sharp == nullptr || keyframe.sharp->levels() == 0) {
+    throw std::invalid_argument(name + " has no sharp image");
+  }
+  if (config.reblur_targets && (keyframe.original == nullptr || keyframe.original->levels() == 0)) {
+    throw std::invalid_argument(name + " has no original image, which reblur_targets needs");
+  }
+}
+
+}  // namespace
+
+class Window::Impl {
+ public:
+  explicit Impl(const WindowConfig& config)
+      : config_(config),
+        residual_options_(residualOptions(config)),
+        linearizer_(residual_options_, config.reblur_targets),
+        optimizer_(linearizer_, config.huber_threshold, WindowOptimizerOptions()),
+        marginalizer_(linearizer_, WindowMarginalizerOptions()),
+        activation_(residual_options_, config.reblur_targets, PointActivationOptions()),
+        anchor_(kScaleAnchor) {}
+
+  void addKeyframe(const WindowKeyframe& keyframe);
+  PointId insert(PointState point);
+  void addResidual(PointState& point, int target) const;
+  std::vector<KeyframeId> keyframesToMarginalize() const;
+  void marginalizePoints();
+  void marginalize(KeyframeId keyframe);
+  WindowPoint describe(const PointState& point) const;
+
+  WindowConfig config_;
+  ResidualOptions residual_options_;
+  WindowLinearizer linearizer_;
+  WindowOptimizer optimizer_;
+  WindowMarginalizer marginalizer_;
+  PointActivation activation_;
+  ScaleAnchor anchor_;
+  bool anchor_chosen_ = false;
+  WindowState state_;
+  PointId next_point_ = 0;
+};
+
+void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
+  check(keyframe, config_);
+  for (const KeyframeState& k : state_.keyframes) {
+    if (k.id == keyframe.id) {
+      throw std::invalid_argument("window: keyframe " + std::to_string(keyframe.id) + " is already in it");
+    }
+  }
+  KeyframeState added;
+  added.id = keyframe.id;
+  added.sharp = keyframe.sharp;
+  added.original = keyframe.original;
+  added.xi = keyframe.xi;
+  added.T_linear = keyframe.T_map_keyframe;
+  added.brightness_linear = keyframe.brightness;
+  // Until its own residuals are known: as strict as the previous keyframe, at first twice the Huber threshold per
+  // pixel.
+  added.outlier_energy = state_.keyframes.empty()
+                             ? 4.0 * kResidualPixels * config_.huber_threshold * config_.huber_threshold
+                             : state_.keyframes.back().outlier_energy;
+  const bool first = state_.keyframes.empty();
+  state_.keyframes.push_back(added);
+  state_.prior.appendKeyframe();
+  const int index = state_.size() - 1;
+  Vector8 information = Vector8::Zero();
+  Vector8 deviation = Vector8::Zero();
+  if (first) {
+    information << Vector6::Constant(kPoseAnchor), kBrightnessAnchor, kBrightnessAnchor;
+    state_.prior.connect(index);
+  } else {
+    information(6) = std::pow(config_.brightness_gain_sigma, -2.0);
+    information(7) = std::pow(config_.brightness_offset_sigma, -2.0);
+    deviation.tail<2>() << keyframe.brightness.a, keyframe.brightness.b;
+  }
+  state_.prior.addDiagonal(index, information, deviation);
+}
+
+PointId Window::Impl::insert(PointState point) {
+  point.id = next_point_++;
+  ++state_.keyframe(point.host).points_added;
+  state_.points.push_back(std::move(point));
+  return state_.points.back().id;
+}
+
+void Window::Impl::addResidual(PointState& point, int target) const {
+  const bool known = std::any_of(point.residuals.begin(), point.residuals.end(),
+                                 [target](const PatchResidual& r) { return r.target == target; });
+  if (known || target == point.host) return;
+  PatchResidual residual;
+  residual.target = target;
+  point.residuals.push_back(residual);
+}
+
+std::vector<KeyframeId> Window::Impl::keyframesToMarginalize() const {
+  KeyframeRetirementOptions options;
+  options.max_keyframes = config_.max_keyframes;
+  std::vector<KeyframeId> ids;
+  for (const int i : keyframesToRetire(state_, options)) ids.push_back(state_.keyframe(i).id);
+  return ids;
+}
+
+void Window::Impl::marginalizePoints() {
+  anchor_.moveToPrior(state_);
+  marginalizer_.marginalizeUnseen(state_);
+}
+
+void Window::Impl::marginalize(KeyframeId keyframe) {
+  const int index = state_.indexOf(keyframe);
+  marginalizePoints();
+  marginalizer_.marginalizeHosted(state_, index);
+  marginalizer_.marginalizeKeyframe(state_, index);
+}
+
+WindowPoint Window::Impl::describe(const PointState& point) const {
+  WindowPoint out;
+  const KeyframeState& host = state_.keyframe(point.host);
+  out.id = point.id;
+  out.host = host.id;
+  out.pixel = point.pixel;
+  out.inverse_depth = point.inverse_depth;
+  out.variance = 1.0 / std::max(point.information, 1e-12);
+  out.visible_in_newest = point.host == state_.size() - 1;
+  const Eigen::Vector3d position = host.T_map_keyframe().translation();
+  for (const PatchResidual& residual : point.residuals) {
+    if (!state_.isGood(residual)) continue;
+    ++out.good_residuals;
+    const Eigen::Vector3d baseline = state_.keyframe(residual.target).T_map_keyframe().translation() - position;
+    out.relative_baseline = std::max(out.relative_baseline, baseline.norm() * point.inverse_depth);
+    out.visible_in_newest = out.visible_in_newest || residual.target == state_.size() - 1;
+  }
+  return out;
+}
+
+Window::Window(const WindowConfig& config, bool /*deterministic*/) : impl_(std::make_unique<Impl>(config)) {}
+Window::~Window() = default;
+
+void Window::addKeyframe(const WindowKeyframe& keyframe) { impl_->addKeyframe(keyframe); }
+
+PointId Window::addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth) {
+  if (!(inverse_depth > 0.0) || !std::isfinite(inverse_depth)) {
+    throw std::invalid_argument("window: inverse depth is " + std::to_string(inverse_depth) + ", must be positive");
+  }
+  PointState point;
+  point.host = impl_->state_.indexOf(host);
+  point.pixel = pixel;
+  point.inverse_depth = inverse_depth;
+  for (int t = 0; t < impl_->state_.size(); ++t) impl_->addResidual(point, t);
+  return impl_->insert(std::move(point));
+}
+
+std::optional<PointId> Window::activatePoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth) {
+  if (!(inverse_depth > 0.0) || !std::isfinite(inverse_depth)) return std::nullopt;
+  std::optional<PointState> point =
+      impl_->activation_.activate(impl_->state_, impl_->state_.indexOf(host), pixel, inverse_depth);
+  if (!point) return std::nullopt;
+  return impl_->insert(std::move(*point));
+}
+
+void Window::addResidualsTo(KeyframeId target) {
+  const int index = impl_->state_.indexOf(target);
+  for (PointState& point : impl_->state_.points) impl_->addResidual(point, index);
+}
+
+WindowSummary Window::optimize(int max_iterations) {
+  if (!impl_->anchor_chosen_ && impl_->state_.size() > 1) {
+    impl_->anchor_.choose(impl_->state_);
+    impl_->anchor_chosen_ = impl_->anchor_.active();
+  }
+  return impl_->optimizer_.optimize(impl_->state_, impl_->anchor_, max_iterations);
+}
+
+std::vector<KeyframeId> Window::keyframesToMarginalize() const { return impl_->keyframesToMarginalize(); }
+void Window::marginalizePoints() { impl_->marginalizePoints(); }
+void Window::marginalize(KeyframeId keyframe) { impl_->marginalize(keyframe); }
+
+std::vector<KeyframeId> Window::keyframes() const {
+  std::vector<KeyframeId> ids;
+  for (const KeyframeState& k : impl_->state_.keyframes) ids.push_back(k.id);
+  return ids;
+}
+
+SE3 Window::T_map_keyframe(KeyframeId id) const {
+  return impl_->state_.keyframe(impl_->state_.indexOf(id)).T_map_keyframe();
+}
+
+AffineBrightness Window::brightness(KeyframeId id) const {
+  return impl_->state_.keyframe(impl_->state_.indexOf(id)).brightness();
+}
+
+std::vector<WindowPoint> Window::points() const {
+  std::vector<WindowPoint> points;
+  for (const PointState& point : impl_->state_.points) points.push_back(impl_->describe(point));
+  return points;
+}
+
+int Window::pointCount() const { return static_cast<int>(impl_->state_.points.size()); }
+
+double Window::visibleFraction(KeyframeId id) const {
+  return mba_vo::visibleFraction(impl_->state_, impl_->state_.indexOf(id));
+}
+
+}  // namespace mba_vo

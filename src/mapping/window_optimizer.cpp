@@ -1,0 +1,211 @@
+#include "mba_vo/mapping/window_optimizer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace mba_vo {
+namespace {
+
+constexpr double kThresholdQuantile = 0.7;  // of the root energies of a keyframe's residuals
+constexpr double kThresholdFactor = 1.5;    // of that quantile
+constexpr double kLooserThreshold = 1.1;  // a growth of the threshold beyond this factor admits more residuals at once
+constexpr int kMaxBadRounds = 3;
+constexpr int kMaxOutOfBoundsRounds = 2;
+constexpr double kMaxDepthFactor = 3.0;  // by which one step may change an inverse depth
+
+double truncated(float energy, double limit) { return std::min(static_cast<double>(energy), limit); }
+
+/// A patch all of whose pixels are at the Huber threshold is always acceptable; beyond that a residual is compared with
+/// the others of its keyframe. The two are averaged, so that neither a perfect nor a bad keyframe runs away.
+double outlierEnergy(std::vector<float>& root_energies, double huber_threshold) {
+  const double acceptable = huber_threshold * std::sqrt(static_cast<double>(kResidualPixels));
+  if (root_energies.empty()) return acceptable * acceptable;
+  const auto rank = root_energies.begin() +
+                    static_cast<std::ptrdiff_t>(kThresholdQuantile * static_cast<double>(root_energies.size() - 1));
+  std::nth_element(root_energies.begin(), rank, root_energies.end());
+  const double root = 0.5 * acceptable + 0.5 * kThresholdFactor * static_cast<double>(*rank);
+  return root * root;
+}
+
+}  // namespace
+
+/// State before a step.
+struct WindowOptimizer::Backup {
+  std::vector<KeyframeState> keyframes;
+  std::vector<double> inverse_depths;
+  MarginalizationPrior prior;
+
+  explicit Backup(const WindowState& state) : keyframes(state.keyframes), prior(state.prior) {
+    for (const PointState& p : state.points) inverse_depths.push_back(p.inverse_depth);
+  }
+  void restore(WindowState& state) const {
+    state.keyframes = keyframes;
+    state.prior = prior;
+    for (std::size_t i = 0; i < inverse_depths.size(); ++i) state.points[i].inverse_depth = inverse_depths[i];
+  }
+};
+
+double WindowOptimizer::photometricCost(const WindowState& state) {
+  double cost = 0.0;
+  for (const PointState& point : state.points) {
+    for (const PatchResidual& residual : point.residuals) {
+      if (std::isnan(residual.energy)) continue;
+      cost += truncated(residual.energy, state.keyframe(residual.target).outlier_energy);
+    }
+  }
+  return cost;
+}
+
+/// Change of the photometric cost; a residual that left an image keeps its old cost, so that leaving never pays.
+double WindowOptimizer::costChange(const WindowState& state) const {
+  double change = 0.0;
+  for (const PointState& point : state.points) {
+    for (const PatchResidual& residual : point.residuals) {
+      if (std::isnan(residual.energy) || std::isnan(residual.trial_energy)) continue;
+      const double limit = state.keyframe(residual.target).outlier_energy;
+      change += truncated(residual.trial_energy, limit) - truncated(residual.energy, limit);
+    }
+  }
+  return change;
+}
+
+void WindowOptimizer::linearizeAll(WindowState& state, LinearizedWindow& out) const {
+  std::vector<int> all(state.points.size());
+  std::iota(all.begin(), all.end(), 0);
+  linearizer_.linearize(state, all, out);
+}
+
+void WindowOptimizer::acceptEnergies(WindowState& state) const {
+  for (PointState& point : state.points) {
+    for (PatchResidual& residual : point.residuals) residual.energy = residual.trial_energy;
+  }
+}
+
+/// True if a threshold grew so much that residuals left out of the last linearisation should come in.
+bool WindowOptimizer::updateOutlierThresholds(WindowState& state) const {
+  std::vector<std::vector<float>> root_energies(state.keyframes.size());
+  for (const PointState& point : state.points) {
+    for (const PatchResidual& residual : point.residuals) {
+      if (std::isnan(residual.energy)) continue;
+      root_energies[static_cast<std::size_t>(residual.target)].push_back(std::sqrt(residual.energy));
+    }
+  }
+  bool looser = false;
+  for (std::size_t i = 0; i < root_energies.size(); ++i) {
+    const double energy = outlierEnergy(root_energies[i], huber_threshold_);
+    looser = looser || energy > kLooserThreshold * state.keyframes[i].outlier_energy;
+    state.keyframes[i].outlier_energy = energy;
+  }
+  return looser;
+}
+
+void WindowOptimizer::begin(WindowState& state) {
+  linearizer_.placePixels(state, options_.max_drift_px);
+  linearizeAll(state, current_);
+  acceptEnergies(state);
+  if (updateOutlierThresholds(state)) linearizeAll(state, current_);
+}
+
+/// Moves the state by the step of the damped system; false if there is none.
+bool WindowOptimizer::step(WindowState& state, const ScaleAnchor& anchor, double lambda) {
+  LinearizedWindow& system = current_;
+  const Eigen::MatrixXd H = system.H;
+  const Eigen::VectorXd b = system.b;
+  state.prior.addTo(state.deltas(), system.H, system.b);
+  anchor.addTo(state, system.H, system.b);
+  schur_.reduce(system, lambda, reduced_);
+  system.H = H;
+  system.b = b;
+  Eigen::VectorXd x;
+  if (!solver_.solve(reduced_.H, reduced_.b, x)) return false;
+  const Eigen::VectorXd depth_steps = schur_.solveDepths(system, x);
+  step_norm_ = 0.0;
+  for (int i = 0; i < state.size(); ++i) {
+    const Vector8 delta = x.segment<kKeyframeDim>(kKeyframeDim * i);
+    state.keyframe(i).delta += delta;
+    step_norm_ = std::max(step_norm_, delta.head<6>().norm());
+  }
+  state.relinearize();
+  for (std::size_t i = 0; i < state.points.size(); ++i) {
+    double& d = state.points[i].inverse_depth;
+    d = std::clamp(d + depth_steps(static_cast<Eigen::Index>(i)), d / kMaxDepthFactor, d * kMaxDepthFactor);
+  }
+  return true;
+}
+
+void WindowOptimizer::accept(WindowState& state) {
+  acceptEnergies(state);
+  std::swap(current_, trial_);
+  const bool looser = updateOutlierThresholds(state);
+  int drifted = 0;
+  int placed = 0;
+  for (const PointState& point : state.points) {
+    for (const PatchResidual& residual : point.residuals) {
+      placed += residual.has_pixels ? 1 : 0;
+      drifted += residual.has_pixels && residual.drift > options_.max_drift_px ? 1 : 0;
+    }
+  }
+  if (!looser && 100 * drifted <= placed) return;
+  linearizer_.placePixels(state, options_.max_drift_px);
+  linearizeAll(state, current_);
+  acceptEnergies(state);
+}
+
+void WindowOptimizer::finish(WindowState& state, WindowSummary& summary) const {
+  double energy = 0.0;
+  for (std::size_t i = 0; i < state.points.size(); ++i) {
+    PointState& point = state.points[i];
+    point.information = current_.H_depth(static_cast<Eigen::Index>(i));
+    for (PatchResidual& residual : point.residuals) {
+      const bool good = state.isGood(residual);
+      residual.bad_rounds = good ? 0 : residual.bad_rounds + 1;
+      summary.residuals += good ? 1 : 0;
+      energy += good ? static_cast<double>(residual.energy) : 0.0;
+    }
+    auto& residuals = point.residuals;
+    residuals.erase(std::remove_if(residuals.begin(), residuals.end(),
+                                   [](const PatchResidual& r) {
+                                     return r.bad_rounds >=
+                                            (std::isnan(r.energy) ? kMaxOutOfBoundsRounds : kMaxBadRounds);
+                                   }),
+                    residuals.end());
+  }
+  summary.rms = std::sqrt(energy / std::max(1, summary.residuals * kResidualPixels));
+  state.points.erase(std::remove_if(state.points.begin(), state.points.end(),
+                                    [&state](const PointState& p) { return state.goodResiduals(p) == 0; }),
+                     state.points.end());
+}
+
+WindowSummary WindowOptimizer::optimize(WindowState& state, const ScaleAnchor& anchor, int max_iterations) {
+  WindowSummary summary;
+  begin(state);
+  const auto otherCost = [&] { return state.prior.cost(state.deltas()) + anchor.cost(state); };
+  summary.initial_cost = photometricCost(state) + otherCost();
+  double lambda = options_.initial_lambda;
+  while (summary.iterations < max_iterations && lambda <= options_.max_lambda) {
+    ++summary.iterations;
+    const Backup backup(state);
+    const double other_cost = otherCost();
+    bool better = step(state, anchor, lambda);
+    double change = 0.0;
+    if (better) {
+      linearizeAll(state, trial_);
+      change = costChange(state) + otherCost() - other_cost;
+      better = change < 0.0;
+    }
+    if (!better) {
+      backup.restore(state);
+      lambda = std::max(lambda, options_.initial_lambda) * 10.0;
+      continue;
+    }
+    accept(state);
+    lambda = std::max(0.1 * lambda, options_.min_lambda);
+    if (-change < options_.min_relative_decrease * photometricCost(state) || step_norm_ < options_.min_step) break;
+  }
+  summary.final_cost = photometricCost(state) + otherCost();
+  finish(state, summary);
+  return summary;
+}
+
+}  // namespace mba_vo

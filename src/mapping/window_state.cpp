@@ -1,0 +1,53 @@
+#include "mba_vo/mapping/window_state.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+namespace mba_vo {
+
+int WindowState::indexOf(KeyframeId id) const {
+  for (int i = 0; i < size(); ++i) {
+    if (keyframe(i).id == id) return i;
+  }
+  throw std::invalid_argument("window: keyframe " + std::to_string(id) + " is not one of its " +
+                              std::to_string(size()) + " keyframes");
+}
+
+Eigen::VectorXd WindowState::deltas() const {
+  Eigen::VectorXd d(kKeyframeDim * size());
+  for (int i = 0; i < size(); ++i) d.segment<kKeyframeDim>(kKeyframeDim * i) = keyframe(i).delta;
+  return d;
+}
+
+void WindowState::relinearize() {
+  for (int i = 0; i < size(); ++i) {
+    KeyframeState& k = keyframe(i);
+    if (prior.connected(i) || k.delta.isZero(0.0)) continue;
+    prior.moveLinearizationPoint(i, k.delta);
+    k.T_linear = k.T_map_keyframe();
+    k.brightness_linear = k.brightness();
+    k.delta.setZero();
+  }
+}
+
+void WindowState::removeKeyframe(int i) {
+  points.erase(std::remove_if(points.begin(), points.end(), [i](const PointState& p) { return p.host == i; }),
+               points.end());
+  for (PointState& point : points) {
+    auto& residuals = point.residuals;
+    residuals.erase(
+        std::remove_if(residuals.begin(), residuals.end(), [i](const PatchResidual& r) { return r.target == i; }),
+        residuals.end());
+    for (PatchResidual& residual : residuals) residual.target -= residual.target > i ? 1 : 0;
+    point.host -= point.host > i ? 1 : 0;
+  }
+  keyframes.erase(keyframes.begin() + i);
+}
+
+int WindowState::goodResiduals(const PointState& point) const {
+  return static_cast<int>(std::count_if(point.residuals.begin(), point.residuals.end(),
+                                        [this](const PatchResidual& r) { return isGood(r); }));
+}
+
+}  // namespace mba_vo
