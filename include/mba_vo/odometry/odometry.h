@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <vector>
 
@@ -12,14 +13,17 @@ namespace mba_vo {
 struct OdometryResult {
   TrackedFrameConstPtr tracked;
   MapperOutput mapping;
+  double mapping_ms = 0.0;
 };
 
 /// Tracker and mapper called in turn, deterministically: the offline pipeline. The mapper's references are adopted
 /// `reference_delay_frames` after the frame that caused them.
 class Odometry {
  public:
+  /// Throws std::invalid_argument for a negative delay.
   Odometry(const OdometryConfig& config, int reference_delay_frames);
 
+  /// Every frame gives exactly one result; its `tracked` is never null.
   OdometryResult process(const FrameConstPtr& frame);
 
   std::vector<TrajectoryEntry> trajectory() const { return mapper_.trajectory(); }
@@ -27,13 +31,13 @@ class Odometry {
 
  private:
   struct PendingReference {
-    std::uint64_t due_sequence;
+    std::uint64_t due_frame;  // adopted before this frame, counted from 0
     ReferenceConstPtr reference;
   };
   TrackingLoop tracking_;
   Mapper mapper_;
   int reference_delay_frames_;
-  std::uint64_t frames_ = 0;
+  std::uint64_t frames_ = 0;  // processed so far
   std::deque<PendingReference> pending_;
 };
 
