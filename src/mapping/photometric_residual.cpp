@@ -75,7 +75,7 @@ PairGeometry makePairGeometry(const KeyframeState& host, const KeyframeState& ta
 void placePixels(const PairGeometry& pair, const Eigen::Vector2d& host_pixel, double inverse_depth,
                  const ResidualOptions& options, PatchResidual& residual) {
   residual.has_pixels = false;
-  residual.energy = residual.trial_energy = kOutOfBounds;
+  residual.energy = residual.trial_energy = kNoEnergy;
   const Eigen::Vector3d ray = pair.host_image->camera.unproject(host_pixel);
   const Eigen::Vector3d point = pair.T_target_host.rotation() * ray + inverse_depth * pair.T_target_host.translation();
   if (point.z() <= 0.0) return;

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "mba_vo/mapping/keyframe_retirement.h"
-#include "mba_vo/mapping/point_activation.h"
 #include "mba_vo/mapping/window_marginalizer.h"
 #include "mba_vo/mapping/window_optimizer.h"
+#include "mba_vo/mapping/window_point_activation.h"
 
 namespace mba_vo {
 namespace {
@@ -48,7 +48,7 @@ class Window::Impl {
         linearizer_(residual_options_, config.reblur_targets),
         optimizer_(linearizer_, config.huber_threshold, WindowOptimizerOptions()),
         marginalizer_(linearizer_, WindowMarginalizerOptions()),
-        activation_(residual_options_, config.reblur_targets, PointActivationOptions()),
+        activation_(residual_options_, config.reblur_targets, WindowPointActivationOptions()),
         anchor_(kScaleAnchor) {}
 
   void addKeyframe(const WindowKeyframe& keyframe);
@@ -64,7 +64,7 @@ class Window::Impl {
   WindowLinearizer linearizer_;
   WindowOptimizer optimizer_;
   WindowMarginalizer marginalizer_;
-  PointActivation activation_;
+  WindowPointActivation activation_;
   ScaleAnchor anchor_;
   bool anchor_chosen_ = false;
   WindowState state_;

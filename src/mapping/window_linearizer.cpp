@@ -63,7 +63,7 @@ void WindowLinearizer::linearizePoint(WindowState& state, const std::vector<Pair
   PatchMoments moments;
   ResidualSystem system;
   for (PatchResidual& residual : point.residuals) {
-    residual.trial_energy = kOutOfBounds;
+    residual.trial_energy = kNoEnergy;
     if (!residual.has_pixels) continue;
     const auto index = static_cast<std::size_t>(point.host * state.size() + residual.target);
     const PairGeometry& pair = pairs[index];

@@ -35,7 +35,7 @@ struct KeyframeState {
 };
 
 /// Energy of a residual whose patch left one of the images.
-inline constexpr float kOutOfBounds = std::numeric_limits<float>::quiet_NaN();
+inline constexpr float kNoEnergy = std::numeric_limits<float>::quiet_NaN();
 
 /// One point seen in one target keyframe: eight integer pixels of the target image around the point's projection.
 struct PatchResidual {
@@ -44,8 +44,8 @@ struct PatchResidual {
   Eigen::Vector2i centre = Eigen::Vector2i::Zero();
   std::array<float, kResidualPixels> intensity{};  // of the target [grey levels]
   std::array<float, kResidualPixels> weight{};     // from the target's gradient, in (0, 1]
-  float energy = kOutOfBounds;                     // at the current state
-  float trial_energy = kOutOfBounds;               // at the state being tried
+  float energy = kNoEnergy;                        // at the current state
+  float trial_energy = kNoEnergy;                  // at the state being tried
   float drift = 0.0F;  // distance of the projection from the pixel set, at the state tried [px]
   int bad_rounds = 0;  // optimisations in a row that ended with this residual out of use
 };
@@ -79,7 +79,7 @@ struct WindowState {
   void removeKeyframe(int i);
 
   bool isGood(const PatchResidual& residual) const {
-    return residual.energy <= keyframe(residual.target).outlier_energy;  // false for kOutOfBounds
+    return residual.energy <= keyframe(residual.target).outlier_energy;  // false for kNoEnergy
   }
   int goodResiduals(const PointState& point) const;
 };
