@@ -13,22 +13,34 @@ Odometry::Odometry(const OdometryConfig& config, int reference_delay_frames)
   }
 }
 
-OdometryResult Odometry::process(const FrameConstPtr& frame) {
-  using Clock = std::chrono::steady_clock;
+void Odometry::adoptDueReferences(OdometryResult& result) {
   while (!pending_.empty() && pending_.front().due_frame <= frames_) {
-    tracking_.adopt(pending_.front().reference);
+    const ReferenceConstPtr reference = pending_.front().reference;
     pending_.pop_front();
+    for (const TrackedFrameConstPtr& late : tracking_.adopt(reference)) {
+      result.late.push_back(late);
+      map(late, result);
+    }
   }
+}
+
+void Odometry::map(const TrackedFrameConstPtr& tracked, OdometryResult& result) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begin = Clock::now();
+  result.mapping.push_back(mapper_.process(tracked));
+  result.mapping_ms += std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  const ReferenceConstPtr& reference = result.mapping.back().reference;
+  // Without delay the very next frame has it.
+  const auto delay = static_cast<std::uint64_t>(reference_delay_frames_) + 1;
+  if (reference) pending_.push_back({frames_ + delay, reference});
+}
+
+OdometryResult Odometry::process(const FrameConstPtr& frame) {
   OdometryResult result;
+  adoptDueReferences(result);
   result.tracked = tracking_.process(frame);
-  const Clock::time_point mapping_begin = Clock::now();
-  result.mapping = mapper_.process(result.tracked);
-  result.mapping_ms = std::chrono::duration<double, std::milli>(Clock::now() - mapping_begin).count();
+  map(result.tracked, result);
   ++frames_;
-  if (result.mapping.reference) {
-    // Without delay the very next frame has it.
-    pending_.push_back({frames_ + static_cast<std::uint64_t>(reference_delay_frames_), result.mapping.reference});
-  }
   return result;
 }
 

@@ -1,6 +1,8 @@
 #include "mba_vo/odometry/tracking_loop.h"
 
 #include <algorithm>
+#include <deque>
+#include <utility>
 
 #include "mba_vo/tracking/motion_prior.h"
 
@@ -8,6 +10,7 @@ namespace mba_vo {
 namespace {
 
 constexpr double kLongestPrediction = 0.5;  // [s] no velocity is trusted further ahead
+constexpr std::size_t kMaxWaiting = 20;     // frames kept for the first reference of a map
 
 TrackedFrameConstPtr untracked(const FrameConstPtr& frame, TrackingStatus status, const std::string& reason) {
   auto tracked = std::make_shared<TrackedFrame>();
@@ -30,7 +33,36 @@ class TrackingLoop::Impl {
       : tracker_config_(config.tracker), tracker_(config.tracker), keyframe_policy_(config.keyframe) {}
 
   TrackedFrameConstPtr process(const FrameConstPtr& frame) {
-    if (!reference_) return untracked(frame, TrackingStatus::kInitializing, "no map yet");
+    if (!reference_) {
+      waiting_.push_back(frame);
+      if (waiting_.size() > kMaxWaiting) waiting_.pop_front();
+      return untracked(frame, TrackingStatus::kInitializing, "no map yet");
+    }
+    return track(frame);
+  }
+
+  std::vector<TrackedFrameConstPtr> adopt(const ReferenceConstPtr& reference) {
+    std::vector<TrackedFrameConstPtr> late;
+    if (!take(reference)) return late;
+    for (const FrameConstPtr& frame : std::exchange(waiting_, {})) {
+      if (frame->mid_exposure_ns > last_ns_) late.push_back(track(frame));
+    }
+    return late;
+  }
+
+  void reset() {
+    reference_.reset();
+    waiting_.clear();
+    T_odom_camera_ = SE3();
+    T_odom_reference_ = SE3();
+  }
+
+  const SE3& T_odom_camera() const { return T_odom_camera_; }
+  SE3 T_map_odom() const { return reference_ ? reference_->T_map_reference * T_odom_reference_.inverse() : SE3(); }
+  ReferenceConstPtr reference() const { return reference_; }
+
+ private:
+  TrackedFrameConstPtr track(const FrameConstPtr& frame) {
     MotionPrior prior;
     prior.previous = last_;
     prior.dt = std::clamp(1e-9 * static_cast<double>(frame->mid_exposure_ns - last_ns_), 0.0, kLongestPrediction);
@@ -45,7 +77,8 @@ class TrackingLoop::Impl {
     return tracked;
   }
 
-  void adopt(const ReferenceConstPtr& reference) {
+  /// False if the reference is of no use: nothing says where the camera is in its map.
+  bool take(const ReferenceConstPtr& reference) {
     if (reference_ && reference_->id.map_id == reference->id.map_id) {
       const SE3 T_new_old = T_newReference_oldReference(*reference);
       last_.T_reference_mid = T_new_old * last_.T_reference_mid;
@@ -56,22 +89,12 @@ class TrackingLoop::Impl {
       T_odom_reference_ = T_odom_camera_ * last_.T_reference_mid.inverse();
       brightness_ = reference->brightness;
     } else {
-      return;  // nothing says where the camera is in this map
+      return false;
     }
     reference_ = reference;
+    return true;
   }
 
-  void reset() {
-    reference_.reset();
-    T_odom_camera_ = SE3();
-    T_odom_reference_ = SE3();
-  }
-
-  const SE3& T_odom_camera() const { return T_odom_camera_; }
-  SE3 T_map_odom() const { return reference_ ? reference_->T_map_reference * T_odom_reference_.inverse() : SE3(); }
-  ReferenceConstPtr reference() const { return reference_; }
-
- private:
   /// Through the poses that came with the new snapshot: map coordinates of different moments do not mix.
   SE3 T_newReference_oldReference(const Reference& next) const {
     const auto found = next.T_map_keyframe.find(reference_->id.keyframe_id);
@@ -95,6 +118,7 @@ class TrackingLoop::Impl {
   Tracker tracker_;
   KeyframePolicy keyframe_policy_;
   ReferenceConstPtr reference_;
+  std::deque<FrameConstPtr> waiting_;
   ExposureTrajectory last_;  // of the last tracked frame, relative to reference_
   std::int64_t last_ns_ = 0;
   AffineBrightness brightness_;
@@ -105,7 +129,9 @@ class TrackingLoop::Impl {
 TrackingLoop::TrackingLoop(const OdometryConfig& config) : impl_(std::make_unique<Impl>(config)) {}
 TrackingLoop::~TrackingLoop() = default;
 TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame) { return impl_->process(frame); }
-void TrackingLoop::adopt(const ReferenceConstPtr& reference) { impl_->adopt(reference); }
+std::vector<TrackedFrameConstPtr> TrackingLoop::adopt(const ReferenceConstPtr& reference) {
+  return impl_->adopt(reference);
+}
 void TrackingLoop::reset() { impl_->reset(); }
 const SE3& TrackingLoop::T_odom_camera() const { return impl_->T_odom_camera(); }
 SE3 TrackingLoop::T_map_odom() const { return impl_->T_map_odom(); }

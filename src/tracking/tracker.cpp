@@ -57,7 +57,7 @@ struct Tracker::LevelResult {
 
 std::optional<AlignmentPrior> Tracker::priorFor(const Reference& reference, const TrackingGuess& guess,
                                                 const AlignmentState& state) const {
-  if (!guess.motion || guess.motion->dt <= 0.0) return std::nullopt;
+  if (!guess.motion || guess.motion->dt == 0.0) return std::nullopt;
   const double depth = 1.0 / medianInverseDepth(reference);
   const double exposure = guess.trajectory.exposure;
   AlignmentPrior prior;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include "mba_vo/deblur/deblurrer.h"
 #include "mba_vo/mapping/depth_search.h"
 #include "mba_vo/mapping/initializer.h"
 #include "mba_vo/mapping/window.h"
+#include "mba_vo/tracking/keyframe_policy.h"
 #include "mba_vo/tracking/tracker.h"
 
 namespace mba_vo {
@@ -12,18 +14,24 @@ struct MapperConfig {
   InitializerConfig initializer;
   DepthSearchConfig depth_search;
   WindowConfig window;
-  TrackerConfig tracker;         // used to track buffered frames backwards after initialisation; same as the tracker's
+  DeblurConfig deblur;
+  // The tracker's own options, for the frames that are tracked again after initialisation. Not read from `mapper`.
+  TrackerConfig tracker;
+  KeyframePolicyConfig keyframe;
   int new_points_per_keyframe = 1500;
   int max_display_points = 200000;
-  bool deterministic = false;    // bit-identical results run after run; sums in a fixed order
+  double restart_after_lost = 1.0;
+  bool deterministic = false;  // bit-identical results run after run; sums in a fixed order
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
     v.section("initializer", c.initializer);
     v.section("depth_search", c.depth_search);
     v.section("window", c.window);
+    v.section("deblur", c.deblur);
     v("new_points_per_keyframe", c.new_points_per_keyframe, 50, 10000, "candidate points selected in a new keyframe");
     v("max_display_points", c.max_display_points, 0, 10000000, "old map points kept for display");
+    v("restart_after_lost", c.restart_after_lost, 0.05, 1e6, "a new map is begun after being lost for so long [s]");
   }
 };
 

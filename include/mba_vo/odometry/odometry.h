@@ -12,7 +12,8 @@ namespace mba_vo {
 /// What happened to one input frame.
 struct OdometryResult {
   TrackedFrameConstPtr tracked;
-  MapperOutput mapping;
+  std::vector<MapperOutput> mapping;       // one for each result that went to the mapper
+  std::vector<TrackedFrameConstPtr> late;  // second results of earlier frames that had to wait for the first reference
   double mapping_ms = 0.0;
 };
 
@@ -30,6 +31,9 @@ class Odometry {
   std::vector<MapPoint> points() const { return mapper_.points(); }
 
  private:
+  void adoptDueReferences(OdometryResult& result);
+  void map(const TrackedFrameConstPtr& tracked, OdometryResult& result);
+
   struct PendingReference {
     std::uint64_t due_frame;  // adopted before this frame, counted from 0
     ReferenceConstPtr reference;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "mba_vo/odometry/config.h"
 #include "mba_vo/tracking/tracker.h"
@@ -17,8 +18,10 @@ class TrackingLoop {
   /// Every frame gives exactly one result; never null.
   TrackedFrameConstPtr process(const FrameConstPtr& frame);
 
-  /// Takes a newer snapshot; the prior is re-expressed through the poses that came with it.
-  void adopt(const ReferenceConstPtr& reference);
+  /// Takes a newer snapshot; the prior is re-expressed through the poses that came with it. The first snapshot of a map
+  /// comes with a hint about a frame of the past: frames that came after it and were reported as INITIALIZING are tracked
+  /// now, so that nothing has to be predicted over a long gap. Their second, late results are returned, for the mapper.
+  std::vector<TrackedFrameConstPtr> adopt(const ReferenceConstPtr& reference);
 
   /// Forgets the reference and the prior.
   void reset();

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+
+#include "mba_vo/tracking/reference.h"
+
+namespace mba_vo {
+
+/// What inserting one keyframe cost [ms], by stage.
+struct KeyframeReport {
+  KeyframeId keyframe_id = 0;
+  std::uint64_t frame_sequence = 0;
+  std::int64_t mid_exposure_ns = 0;
+  double blur_length_px = 0.0;
+  int points = 0;                // active points in the window afterwards
+  int residuals = 0;             // in the last optimisation
+  double rms = 0.0;              // of the window's residuals [grey levels]
+  double depth_search_ms = 0.0;  // spent on frames since the last keyframe
+  double activation_ms = 0.0;
+  double deblur_ms = 0.0;
+  double optimisation_ms = 0.0;
+  double marginalisation_ms = 0.0;
+  double selection_ms = 0.0;
+  double total_ms = 0.0;
+};
+
+}  // namespace mba_vo

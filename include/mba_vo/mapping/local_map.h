@@ -1,0 +1,75 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "mba_vo/deblur/deblurrer.h"
+#include "mba_vo/mapping/keyframe_report.h"
+#include "mba_vo/mapping/mapper_config.h"
+#include "mba_vo/mapping/trajectory_store.h"
+#include "mba_vo/mapping/window.h"
+
+namespace mba_vo {
+
+/// A point of the map for display.
+struct MapPoint {
+  Eigen::Vector3d position_map;  // [m], up to the monocular scale
+  float intensity = 0.0F;        // [grey levels]
+  KeyframeId keyframe_id = 0;
+};
+
+/// One map from its initialisation on: the window of keyframes with their active and immature points.
+class LocalMap {
+ public:
+  /// Begins with the initial map's reference as first keyframe at the origin of the map.
+  LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, TrajectoryStore& store);
+
+  MapId id() const { return id_; }
+  bool has(KeyframeId keyframe) const { return keyframes_.count(keyframe) > 0; }
+  KeyframeId oldestKeyframe() const { return keyframes_.begin()->first; }
+  KeyframeId newestKeyframe() const { return keyframes_.rbegin()->first; }
+
+  /// Refines the depths of all immature points with a tracked frame.
+  void searchDepths(const TrackedFrame& tracked);
+
+  /// Makes the tracked frame a keyframe: deblurs, activates points, optimises and marginalises.
+  KeyframeReport insertKeyframe(const TrackedFrame& tracked);
+
+  /// Snapshot for the tracker about one keyframe of the window.
+  std::shared_ptr<Reference> makeReference(KeyframeId keyframe);
+
+  std::vector<MapPoint> points() const;
+
+ private:
+  struct HostKeyframe {
+    FrameConstPtr frame;
+    std::shared_ptr<const ImagePyramid> sharp;
+    std::vector<ImmaturePoint> immature;
+  };
+
+  SE3 T_map_camera(const TrackedFrame& tracked) const;
+  void addKeyframe(const FrameConstPtr& frame, const std::shared_ptr<const ImagePyramid>& sharp,
+                   const SE3& T_map_keyframe, const Vector6& xi, const AffineBrightness& brightness);
+  std::shared_ptr<const ImagePyramid> deblur(const TrackedFrame& tracked, const SE3& T_map_keyframe) const;
+  void activatePoints();
+  void selectImmaturePoints(HostKeyframe& host) const;
+  void marginalizeKeyframes();
+  void storePoses();
+  void keepForDisplay(KeyframeId keyframe);
+  MapPoint displayPoint(const WindowPoint& point) const;
+
+  MapperConfig config_;
+  MapId id_;
+  TrajectoryStore& store_;
+  Window window_;
+  std::unique_ptr<Deblurrer> deblurrer_;
+  std::map<KeyframeId, HostKeyframe> keyframes_;
+  KeyframeId next_keyframe_ = 0;
+  std::uint32_t revision_ = 0;
+  double activation_distance_px_ = 4.0;  // adapted so that the window holds about max_points
+  double depth_search_ms_ = 0.0;         // since the last keyframe
+  std::vector<MapPoint> old_points_;
+};
+
+}  // namespace mba_vo

@@ -1,0 +1,215 @@
+#include "mba_vo/mapping/local_map.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "mba_vo/image/point_selector.h"
+#include "mba_vo/mapping/point_activation.h"
+
+namespace mba_vo {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double millisecondsSince(Clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+/// Motion within the reference's exposure by the poses of its neighbours in time.
+Vector6 xiOfReference(const InitialMap& initial) {
+  const Frame& reference = *initial.reference;
+  const double exposure = reference.exposure.value_or(0.0);
+  const InitialMap::Pose* nearest = nullptr;
+  for (const InitialMap::Pose& pose : initial.poses) {
+    const auto distance = [&](const InitialMap::Pose& p) {
+      return std::abs(p.frame->mid_exposure_ns - reference.mid_exposure_ns);
+    };
+    if (!nearest || distance(pose) < distance(*nearest)) nearest = &pose;
+  }
+  if (!nearest || nearest->frame->mid_exposure_ns == reference.mid_exposure_ns) return Vector6::Zero();
+  const double dt = 1e-9 * static_cast<double>(nearest->frame->mid_exposure_ns - reference.mid_exposure_ns);
+  return (exposure / dt) * nearest->T_reference_frame.log();
+}
+
+}  // namespace
+
+LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, TrajectoryStore& store)
+    : config_(config),
+      id_(id),
+      store_(store),
+      window_(config.window, config.deterministic),
+      deblurrer_(makeDeblurrer(config.deblur)) {
+  const FrameConstPtr& frame = initial.reference;
+  addKeyframe(frame, std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid), SE3(), xiOfReference(initial), {});
+  for (const ReferencePoint& point : initial.points) {
+    window_.addPoint(newestKeyframe(), point.pixel.cast<double>(), static_cast<double>(point.inverse_depth));
+  }
+  selectImmaturePoints(keyframes_.at(newestKeyframe()));
+  storePoses();
+}
+
+SE3 LocalMap::T_map_camera(const TrackedFrame& tracked) const {
+  return store_.T_map_keyframe(id_, tracked.reference.keyframe_id) * tracked.trajectory.T_reference_mid;
+}
+
+void LocalMap::addKeyframe(const FrameConstPtr& frame, const std::shared_ptr<const ImagePyramid>& sharp,
+                           const SE3& T_map_keyframe, const Vector6& xi, const AffineBrightness& brightness) {
+  WindowKeyframe keyframe;
+  keyframe.id = next_keyframe_++;
+  keyframe.sharp = sharp;
+  keyframe.original = std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid);
+  keyframe.T_map_keyframe = T_map_keyframe;
+  keyframe.xi = xi;
+  keyframe.brightness = brightness;
+  window_.addKeyframe(keyframe);
+  keyframes_[keyframe.id] = {frame, sharp, {}};
+}
+
+void LocalMap::searchDepths(const TrackedFrame& tracked) {
+  const Clock::time_point begin = Clock::now();
+  const SE3 T_map_frame = T_map_camera(tracked);
+  for (auto& [id, host] : keyframes_) {
+    ExposureTrajectory in_host = tracked.trajectory;
+    in_host.T_reference_mid = window_.T_map_keyframe(id).inverse() * T_map_frame;
+    const AffineBrightness host_brightness = window_.brightness(id);
+    const double gain = std::exp(tracked.brightness.a - host_brightness.a);
+    const double offset = tracked.brightness.b - gain * host_brightness.b;
+    const DepthSearcher searcher(*host.sharp, tracked.frame->pyramid, in_host, gain, offset, config_.depth_search);
+    for (ImmaturePoint& point : host.immature) searcher.search(point);
+  }
+  depth_search_ms_ += millisecondsSince(begin);
+}
+
+std::shared_ptr<const ImagePyramid> LocalMap::deblur(const TrackedFrame& tracked, const SE3& T_map_keyframe) const {
+  DeblurInput input;
+  input.image = std::shared_ptr<const ImagePyramid>(tracked.frame, &tracked.frame->pyramid);
+  input.xi = tracked.trajectory.xi();
+  for (const ReferencePoint& p : projectPoints(window_, input.image->level(0).camera, T_map_keyframe)) {
+    input.depths.push_back({p.pixel, p.inverse_depth});
+  }
+  return deblurrer_->deblur(input);
+}
+
+KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked) {
+  KeyframeReport report;
+  const Clock::time_point begin = Clock::now();
+  const SE3 T_map_keyframe = T_map_camera(tracked);
+  const auto sharp = deblur(tracked, T_map_keyframe);
+  report.deblur_ms = millisecondsSince(begin);
+
+  addKeyframe(tracked.frame, sharp, T_map_keyframe, tracked.trajectory.xi(), tracked.brightness);
+  window_.addResidualsTo(newestKeyframe());
+  Clock::time_point stage = Clock::now();
+  activatePoints();
+  report.activation_ms = millisecondsSince(stage);
+
+  stage = Clock::now();
+  const WindowSummary summary = window_.optimize(config_.window.max_iterations);
+  storePoses();
+  report.optimisation_ms = millisecondsSince(stage);
+
+  stage = Clock::now();
+  marginalizeKeyframes();
+  report.marginalisation_ms = millisecondsSince(stage);
+
+  stage = Clock::now();
+  selectImmaturePoints(keyframes_.at(newestKeyframe()));
+  report.selection_ms = millisecondsSince(stage);
+
+  report.keyframe_id = newestKeyframe();
+  report.frame_sequence = tracked.frame->sequence;
+  report.mid_exposure_ns = tracked.frame->mid_exposure_ns;
+  report.blur_length_px = tracked.blur_length_px;
+  report.points = static_cast<int>(window_.points().size());
+  report.residuals = summary.residuals;
+  report.rms = summary.rms;
+  report.depth_search_ms = std::exchange(depth_search_ms_, 0.0);
+  report.total_ms = millisecondsSince(begin);
+  return report;
+}
+
+void LocalMap::activatePoints() {
+  const PinholeCamera& camera = keyframes_.at(newestKeyframe()).sharp->level(0).camera;
+  const SE3 T_newest_map = window_.T_map_keyframe(newestKeyframe()).inverse();
+  activation_distance_px_ =
+      adaptedDistance(activation_distance_px_, static_cast<int>(window_.points().size()), config_.window.max_points);
+  SpacingGrid grid(camera, activation_distance_px_);
+  for (const ReferencePoint& point : projectPoints(window_, camera, T_newest_map.inverse())) {
+    grid.occupy(point.pixel.cast<double>());
+  }
+  for (auto& [id, host] : keyframes_) {
+    if (id == newestKeyframe()) continue;
+    const SE3 T_newest_host = T_newest_map * window_.T_map_keyframe(id);
+    const auto activated = [&, host_id = id](ImmaturePoint& point) {
+      if (point.state == ImmaturePoint::State::kOutlier) return true;
+      if (!isReadyToActivate(point)) return false;
+      const Eigen::Vector3d in_newest =
+          T_newest_host * (camera.unproject(point.pixel.cast<double>()) / point.inverseDepth());
+      if (in_newest.z() <= 0.0) return true;
+      const Eigen::Vector2d pixel = camera.project(in_newest);
+      if (!camera.contains(pixel, 2.0)) return true;
+      if (!grid.isFree(pixel)) return false;
+      if (window_.activatePoint(host_id, point.pixel.cast<double>(), point.inverseDepth())) grid.occupy(pixel);
+      return true;
+    };
+    host.immature.erase(std::remove_if(host.immature.begin(), host.immature.end(), activated), host.immature.end());
+  }
+}
+
+void LocalMap::selectImmaturePoints(HostKeyframe& host) const {
+  for (const Eigen::Vector2i& pixel : selectPoints(*host.sharp, config_.new_points_per_keyframe, {})) {
+    ImmaturePoint point;
+    point.pixel = pixel;
+    host.immature.push_back(point);
+  }
+}
+
+void LocalMap::marginalizeKeyframes() {
+  for (const KeyframeId id : window_.keyframesToMarginalize()) {
+    keepForDisplay(id);
+    window_.marginalize(id);
+    keyframes_.erase(id);
+  }
+}
+
+void LocalMap::storePoses() {
+  for (const KeyframeId id : window_.keyframes()) store_.setKeyframePose(id_, id, window_.T_map_keyframe(id));
+}
+
+std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe) {
+  auto reference = std::make_shared<Reference>();
+  reference->id = {id_, keyframe, revision_++};
+  reference->T_map_reference = window_.T_map_keyframe(keyframe);
+  reference->pyramid = keyframes_.at(keyframe).sharp;
+  reference->brightness = window_.brightness(keyframe);
+  reference->points = projectPoints(window_, reference->pyramid->level(0).camera, reference->T_map_reference);
+  for (const KeyframeId id : window_.keyframes()) reference->T_map_keyframe[id] = window_.T_map_keyframe(id);
+  return reference;
+}
+
+MapPoint LocalMap::displayPoint(const WindowPoint& point) const {
+  const ImageLevel& level = keyframes_.at(point.host).sharp->level(0);
+  const Eigen::Vector3d in_host = level.camera.unproject(point.pixel) / point.inverse_depth;
+  const auto x = static_cast<int>(std::lround(point.pixel.x()));
+  const auto y = static_cast<int>(std::lround(point.pixel.y()));
+  return {window_.T_map_keyframe(point.host) * in_host, level.intensity(y, x), point.host};
+}
+
+void LocalMap::keepForDisplay(KeyframeId keyframe) {
+  const auto limit = static_cast<std::size_t>(config_.max_display_points);
+  for (const WindowPoint& point : window_.points()) {
+    if (point.host == keyframe) old_points_.push_back(displayPoint(point));
+  }
+  if (old_points_.size() > limit) {
+    old_points_.erase(old_points_.begin(), old_points_.end() - static_cast<std::ptrdiff_t>(limit));
+  }
+}
+
+std::vector<MapPoint> LocalMap::points() const {
+  std::vector<MapPoint> all = old_points_;
+  for (const WindowPoint& point : window_.points()) all.push_back(displayPoint(point));
+  return all;
+}
+
+}  // namespace mba_vo

@@ -1,0 +1,168 @@
+#include "mba_vo/mapping/mapper.h"
+
+#include <algorithm>
+
+#include "mba_vo/mapping/replay.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr int kFramesUntilResend = 15;  // the first reference may still be on its way for a while
+
+}  // namespace
+
+class Mapper::Impl {
+ public:
+  explicit Impl(const MapperConfig& config)
+      : config_(config), initializer_(config.initializer), keyframe_policy_(config.keyframe) {}
+
+  MapperOutput process(const TrackedFrameConstPtr& frame) {
+    if (!map_) return initialize(frame->frame);
+    if (frame->status == TrackingStatus::kLost) return handleLost(*frame);
+    if (!frame->tracked()) return resend();
+    if (frame->reference.map_id != map_->id()) return stale(*frame);
+    lost_since_ns_.reset();
+    frames_without_reference_ = 0;
+    return integrate(*frame);
+  }
+
+  void reset() {
+    map_.reset();
+    reference_.reset();
+    initializer_.reset();
+    lost_since_ns_.reset();
+  }
+
+  ReferenceConstPtr currentReference() const { return reference_; }
+  const TrajectoryStore& store() const { return store_; }
+  std::vector<MapPoint> points() const { return map_ ? map_->points() : std::vector<MapPoint>{}; }
+
+ private:
+  MapperOutput initialize(const FrameConstPtr& frame) {
+    MapperOutput output;
+    const std::unique_ptr<InitialMap> initial = initializer_.add(frame);
+    if (!initial) {
+      output.message = initializer_.reason();
+      return output;
+    }
+    map_ = std::make_unique<LocalMap>(config_, next_map_id_++, *initial, store_);
+    output.reference = replayBuffer(*initial, initializer_.bufferedFrames());
+    output.message =
+        "map " + std::to_string(map_->id()) + " initialised with " + std::to_string(initial->points.size()) + " points";
+    initializer_.reset();
+    return output;
+  }
+
+  /// Tracks the buffered frames against the new map: first those after its reference, which may become keyframes, then
+  /// those before it, backwards in time.
+  ReferenceConstPtr replayBuffer(const InitialMap& initial, const std::vector<FrameConstPtr>& frames) {
+    const std::int64_t origin_ns = initial.reference->mid_exposure_ns;
+    const KeyframeId first_keyframe = map_->newestKeyframe();
+    std::shared_ptr<Reference> reference = map_->makeReference(first_keyframe);
+    ExposureTrajectory still;
+    Replay forward(config_, initial, still, origin_ns);
+    storeReferenceItself(forward, *reference, initial.reference);
+    for (const FrameConstPtr& frame : frames) {
+      if (frame->mid_exposure_ns <= origin_ns) continue;
+      const TrackedFrame tracked = forward.track(*reference, frame);
+      if (!tracked.tracked()) continue;
+      store_.addFrame(tracked);
+      map_->searchDepths(tracked);
+      if (!keyframe_policy_.takes(*reference, tracked)) continue;
+      map_->insertKeyframe(tracked);
+      const std::shared_ptr<Reference> next = map_->makeReference(map_->newestKeyframe());
+      forward.changeReference(next->T_map_reference.inverse() * next->T_map_keyframe.at(reference->id.keyframe_id));
+      reference = next;
+    }
+    if (map_->has(first_keyframe)) {
+      const std::shared_ptr<Reference> first = map_->makeReference(first_keyframe);
+      Replay backward(config_, initial, still, origin_ns);
+      for (auto it = frames.rbegin(); it != frames.rend(); ++it) {
+        if ((*it)->mid_exposure_ns >= origin_ns) continue;
+        const TrackedFrame tracked = backward.track(*first, *it);
+        if (tracked.tracked()) store_.addFrame(tracked);
+      }
+    }
+    last_ = {0, forward.lastNs(), forward.last()};
+    last_keyframe_ = reference->id.keyframe_id;
+    reference->hint = last_;
+    return publish(reference);
+  }
+
+  /// The reference frame itself is tracked too: against its own image its mid pose is the identity.
+  void storeReferenceItself(Replay& replay, const Reference& reference, const FrameConstPtr& frame) {
+    TrackedFrame tracked = replay.track(reference, frame);
+    tracked.trajectory.T_reference_mid = SE3();
+    store_.addFrame(tracked);
+  }
+
+  MapperOutput integrate(const TrackedFrame& frame) {
+    MapperOutput output;
+    store_.addFrame(frame);
+    last_ = {frame.frame->sequence, frame.frame->mid_exposure_ns, frame.trajectory};
+    last_keyframe_ = frame.reference.keyframe_id;
+    map_->searchDepths(frame);
+    if (!frame.keyframe_requested || frame.reference.keyframe_id != reference_->id.keyframe_id) return output;
+    output.keyframe = map_->insertKeyframe(frame);
+    output.reference = publish(map_->makeReference(map_->newestKeyframe()));
+    return output;
+  }
+
+  MapperOutput handleLost(const TrackedFrame& frame) {
+    const std::int64_t now = frame.frame->mid_exposure_ns;
+    if (!lost_since_ns_) lost_since_ns_ = now;
+    MapperOutput output;
+    if (1e-9 * static_cast<double>(now - *lost_since_ns_) < config_.restart_after_lost) return output;
+    reset();
+    output.message = "lost for too long: a new map begins";
+    return output;
+  }
+
+  /// A tracker that goes on without a reference while there is a map was restarted; it is given the current one.
+  MapperOutput resend() {
+    MapperOutput output;
+    if (++frames_without_reference_ % kFramesUntilResend != 0) return output;
+    auto copy = std::make_shared<Reference>(*reference_);
+    copy->hint = last_;
+    copy->hint->trajectory.T_reference_mid = copy->T_map_reference.inverse() *
+                                             store_.T_map_keyframe(map_->id(), last_keyframe_) *
+                                             last_.trajectory.T_reference_mid;
+    output.reference = publish(copy);
+    output.message = "the tracker has no reference: the current one is sent again";
+    return output;
+  }
+
+  MapperOutput stale(const TrackedFrame& frame) {
+    MapperOutput output;
+    output.message = "frame " + std::to_string(frame.frame->sequence) + " was tracked in map " +
+                     std::to_string(frame.reference.map_id) + ", which is no more";
+    return output;
+  }
+
+  ReferenceConstPtr publish(const std::shared_ptr<Reference>& reference) {
+    reference_ = reference;
+    return reference_;
+  }
+
+  MapperConfig config_;
+  Initializer initializer_;
+  KeyframePolicy keyframe_policy_;
+  TrajectoryStore store_;
+  std::unique_ptr<LocalMap> map_;
+  ReferenceConstPtr reference_;
+  MapId next_map_id_ = 1;
+  std::optional<std::int64_t> lost_since_ns_;
+  TrackingHint last_;  // the newest tracked frame, relative to last_keyframe_
+  KeyframeId last_keyframe_ = 0;
+  int frames_without_reference_ = 0;
+};
+
+Mapper::Mapper(const MapperConfig& config) : impl_(std::make_unique<Impl>(config)) {}
+Mapper::~Mapper() = default;
+MapperOutput Mapper::process(const TrackedFrameConstPtr& frame) { return impl_->process(frame); }
+void Mapper::reset() { impl_->reset(); }
+ReferenceConstPtr Mapper::currentReference() const { return impl_->currentReference(); }
+std::vector<TrajectoryEntry> Mapper::trajectory() const { return impl_->store().entries(); }
+std::vector<MapPoint> Mapper::points() const { return impl_->points(); }
+
+}  // namespace mba_vo
