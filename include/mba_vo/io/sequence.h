@@ -17,7 +17,8 @@ struct SequenceImage {
   std::int64_t stamp_ns = 0;         // as recorded [ns]
   std::int64_t mid_exposure_ns = 0;  // [ns]
   std::optional<double> exposure;    // [s]; nullopt = unknown
-  cv::Mat image;
+  cv::Mat image;                     // empty if it could not be read
+  std::string problem;               // why the image is empty
 };
 
 /// A source of recorded images: a sequence folder or a bag. Never reads ground truth.
@@ -26,12 +27,14 @@ class SequenceReader {
   virtual ~SequenceReader() = default;
   virtual CameraCalibration calibration() const = 0;
   virtual std::size_t size() const = 0;  // images in the sequence
-  /// Next image, nullopt at the end. Throws std::runtime_error naming the file or message that cannot be read.
+  /// Next image, nullopt at the end. An image that cannot be decoded comes back empty with its `problem`, so that the
+  /// rest of the recording is not lost. Throws std::runtime_error naming the file or message if nothing can follow.
   virtual std::optional<SequenceImage> next() = 0;
 };
 
-/// Opens a sequence folder: camera.yaml, times.txt, <images>/<id, six digits>.<webp|png|jpg|...>.
-/// Throws std::runtime_error naming what is missing or malformed.
+/// Opens a sequence folder: camera.yaml, times.txt, <images>/<id, six digits>.<webp|png|jpg|...>. Stamps are those of
+/// mid-exposure. The exposures of times.txt are those of the sub-folder `images`; for any other sub-folder they are
+/// unknown. Throws std::runtime_error naming what is missing or malformed.
 std::unique_ptr<SequenceReader> openSequenceFolder(const std::string& folder, const std::string& images_subfolder);
 
 }  // namespace mba_vo

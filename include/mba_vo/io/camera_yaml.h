@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "mba_vo/image/camera_calibration.h"
+
+namespace mba_vo {
+
+/// Reads a camera calibration as ROS's camera_calibration writes it (image_width, image_height, camera_matrix,
+/// distortion_model, distortion_coefficients). Throws std::runtime_error naming the file and what is wrong.
+CameraCalibration loadCameraYaml(const std::string& file);
+
+}  // namespace mba_vo
