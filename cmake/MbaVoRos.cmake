@@ -1,1 +1,71 @@
 # ROS 1: messages, nodelets, bag tools and launch tests.
+
+# catkin needs the system's Python, whatever comes first in PATH.
+if(EXISTS /usr/bin/python3)
+  set(PYTHON_EXECUTABLE /usr/bin/python3 CACHE FILEPATH "Python that ROS was installed for")
+  set(Python3_EXECUTABLE ${PYTHON_EXECUTABLE} CACHE FILEPATH "Python that ROS was installed for")
+endif()
+# rosrun and roslaunch ignore programs below <package>/build, so a plain build puts its devel space beside it.
+if(CMAKE_SOURCE_DIR STREQUAL CMAKE_CURRENT_SOURCE_DIR AND NOT DEFINED CATKIN_DEVEL_PREFIX)
+  set(CATKIN_DEVEL_PREFIX ${CMAKE_CURRENT_SOURCE_DIR}/devel CACHE PATH "catkin's devel space")
+endif()
+
+set(MBA_VO_MESSAGE_PACKAGES geometry_msgs std_msgs)
+find_package(catkin REQUIRED COMPONENTS cv_bridge geometry_msgs image_transport message_generation nav_msgs nodelet
+  pluginlib rosbag rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_ros)
+
+add_message_files(FILES ExposureMotion.msg ExposureStamped.msg MapperStatus.msg ReferenceSummary.msg Status.msg
+  TrackedFrameSummary.msg)
+generate_messages(DEPENDENCIES ${MBA_VO_MESSAGE_PACKAGES})
+catkin_package(INCLUDE_DIRS include CATKIN_DEPENDS message_runtime roscpp ${MBA_VO_MESSAGE_PACKAGES})
+
+function(mba_vo_ros_target target)
+  mba_vo_options(${target})
+  target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/include)
+  target_include_directories(${target} SYSTEM PUBLIC
+    ${CATKIN_DEVEL_PREFIX}/${CATKIN_GLOBAL_INCLUDE_DESTINATION} ${catkin_INCLUDE_DIRS})
+  add_dependencies(${target} ${PROJECT_NAME}_generate_messages_cpp)
+  set_target_properties(${target} PROPERTIES
+    LIBRARY_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_LIB_DESTINATION}
+    RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
+endfunction()
+
+# Conversions, bag reading and writing: everything that needs no ROS master.
+file(GLOB MBA_VO_ROS_SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/ros/*.cpp)
+add_library(mba_vo_ros STATIC ${MBA_VO_ROS_SOURCES})
+mba_vo_ros_target(mba_vo_ros)
+target_link_libraries(mba_vo_ros PUBLIC mba_vo_io mba_vo_simulation ${catkin_LIBRARIES})
+
+# The two nodelets, and both in one process for rosrun.
+file(GLOB MBA_VO_NODELET_SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/ros/nodelets/*.cpp)
+if(MBA_VO_NODELET_SOURCES)
+  add_library(mba_vo_nodelets SHARED ${MBA_VO_NODELET_SOURCES})
+  mba_vo_ros_target(mba_vo_nodelets)
+  target_link_libraries(mba_vo_nodelets PUBLIC mba_vo_ros)
+  add_executable(mba_vo_node tools/ros/mba_vo_node.cpp)
+  mba_vo_ros_target(mba_vo_node)
+  target_link_libraries(mba_vo_node PRIVATE ${catkin_LIBRARIES})
+  add_dependencies(mba_vo_node mba_vo_nodelets)
+  set_property(GLOBAL APPEND PROPERTY MBA_VO_PROGRAMS mba_vo_node)
+endif()
+
+add_executable(mba_vo_make_bag tools/ros/mba_vo_make_bag.cpp)
+mba_vo_ros_target(mba_vo_make_bag)
+target_link_libraries(mba_vo_make_bag PRIVATE mba_vo_ros CLI11::CLI11)
+set_property(GLOBAL APPEND PROPERTY MBA_VO_PROGRAMS mba_vo_make_bag)
+
+# The programs that also read or write bags when ROS is there; all programs are found by rosrun.
+foreach(program mba_vo_offline mba_vo_simulate)
+  if(TARGET ${program})
+    target_compile_definitions(${program} PRIVATE MBA_VO_WITH_ROS)
+    mba_vo_ros_target(${program})
+    target_link_libraries(${program} PRIVATE mba_vo_ros)
+  endif()
+endforeach()
+get_property(programs GLOBAL PROPERTY MBA_VO_PROGRAMS)
+set_target_properties(${programs} PROPERTIES
+  RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
+
+if(MBA_VO_TESTS)
+  include(MbaVoRosTests)
+endif()

@@ -1,0 +1,115 @@
+#include "mba_vo/ros/bag_reader.h"
+
+#include <stdexcept>
+
+#include <mba_vo/ExposureStamped.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/CompressedImage.h>
+
+#include "bag_topics.h"
+#include "mba_vo/ros/camera_info.h"
+#include "mba_vo/ros/exposure_lookup.h"
+#include "mba_vo/ros/image_conversion.h"
+
+namespace mba_vo {
+namespace {
+
+class BagReader final : public SequenceReader {
+ public:
+  BagReader(const std::string& file, const BagTopics& wanted) : file_(file) {
+    try {
+      bag_.open(file, rosbag::bagmode::Read);
+      topics_ = findBagTopics(bag_, file, wanted);
+      readCalibration();
+      readExposures();
+      images_.addQuery(bag_, rosbag::TopicQuery(topics_.image));
+      next_ = images_.begin();
+      size_ = images_.size();
+    } catch (const rosbag::BagException& error) {
+      throw std::runtime_error("bag '" + file + "' cannot be read: " + error.what());
+    }
+  }
+
+  CameraCalibration calibration() const override { return calibration_; }
+  std::size_t size() const override { return size_; }
+
+  std::optional<SequenceImage> next() override {
+    if (next_ == images_.end()) {
+      return std::nullopt;
+    }
+    try {
+      SequenceImage image = read(*next_);
+      ++next_;
+      return image;
+    } catch (const std::exception& error) {
+      throw std::runtime_error("bag '" + file_ + "', message " + std::to_string(sequence_) + " on " + topics_.image +
+                               ": " + error.what());
+    }
+  }
+
+ private:
+  void readCalibration() {
+    rosbag::View view(bag_, rosbag::TopicQuery(topics_.camera_info));
+    const auto info = view.begin() == view.end() ? nullptr : view.begin()->instantiate<sensor_msgs::CameraInfo>();
+    if (!info) {
+      throw std::runtime_error("bag '" + file_ + "' has no message on " + topics_.camera_info);
+    }
+    try {
+      calibration_ = calibrationFromCameraInfo(*info, topics_.rectified);
+    } catch (const std::invalid_argument& error) {
+      throw std::runtime_error("bag '" + file_ + "', topic " + topics_.camera_info + ": " + error.what());
+    }
+  }
+
+  void readExposures() {
+    if (topics_.exposure.empty()) {
+      return;
+    }
+    rosbag::View view(bag_, rosbag::TopicQuery(topics_.exposure));
+    for (const rosbag::MessageInstance& message : view) {
+      if (const auto exposure = message.instantiate<ExposureStamped>()) {
+        exposures_.add(toNanoseconds(exposure->header.stamp), exposure->exposure_time);
+      }
+    }
+  }
+
+  SequenceImage read(const rosbag::MessageInstance& message) {
+    SequenceImage result;
+    std_msgs::Header header;
+    if (const auto raw = message.instantiate<sensor_msgs::Image>()) {
+      header = raw->header;
+      result.image = toCvImage(raw)->image.clone();
+    } else if (const auto compressed = message.instantiate<sensor_msgs::CompressedImage>()) {
+      header = compressed->header;
+      result.image = cv_bridge::toCvCopy(compressed)->image;
+    }
+    if (result.image.empty()) {
+      throw std::runtime_error("not a readable image");
+    }
+    result.sequence = sequence_++;
+    result.stamp_ns = toNanoseconds(header.stamp);
+    const std::optional<double> exposure = exposures_.find(result.stamp_ns);
+    result.exposure = exposure ? exposureFromMessage(*exposure) : std::nullopt;
+    result.mid_exposure_ns = midExposure(result.stamp_ns, result.exposure, topics_.stamp_reference);
+    return result;
+  }
+
+  std::string file_;
+  rosbag::Bag bag_;
+  BagTopics topics_;
+  CameraCalibration calibration_;
+  ExposureLookup exposures_;
+  rosbag::View images_;
+  rosbag::View::iterator next_;
+  std::size_t size_ = 0;
+  std::uint64_t sequence_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<SequenceReader> openBag(const std::string& file, const BagTopics& topics) {
+  return std::make_unique<BagReader>(file, topics);
+}
+
+}  // namespace mba_vo

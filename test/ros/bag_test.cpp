@@ -1,0 +1,188 @@
+#include <filesystem>
+#include <fstream>
+
+#include <geometry_msgs/PoseStamped.h>
+#include <gtest/gtest.h>
+#include <rosbag/view.h>
+
+#include "mba_vo/ros/bag_image_writer.h"
+#include "mba_vo/ros/bag_reader.h"
+#include "mba_vo/ros/bag_sink.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr std::int64_t kStart = 1'600'000'000'123'456'789;
+constexpr std::int64_t kInterval = 40'000'000;
+
+CameraCalibration testCalibration() {
+  CameraCalibration calibration;
+  calibration.width = 32;
+  calibration.height = 20;
+  calibration.fx = 30.5;
+  calibration.fy = 31.5;
+  calibration.cx = 15.25;
+  calibration.cy = 9.75;
+  calibration.distortion = {0.1, -0.2, 0.001, 0.002, 0.03};
+  return calibration;
+}
+
+cv::Mat1b testImage(int index) {
+  cv::Mat1b image(20, 32);
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      image(y, x) = static_cast<unsigned char>((7 * x + 13 * y + 31 * index) % 256);
+    }
+  }
+  return image;
+}
+
+class BagTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
+    file_ = (std::filesystem::temp_directory_path() / ("mba_vo_bag_test_" + name + ".bag")).string();
+  }
+  void TearDown() override { std::filesystem::remove(file_); }
+
+  std::string errorOf(const BagTopics& topics) const {
+    try {
+      openBag(file_, topics);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  std::string file_;
+};
+
+SimulatedFrame testFrame(int index) {
+  SimulatedFrame frame;
+  frame.id = static_cast<std::uint64_t>(index);
+  frame.mid_exposure_ns = kStart + index * kInterval;
+  frame.exposure = 0.02;
+  frame.blurred = testImage(index);
+  frame.T_world_mid = SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(index, 2.0, 3.0));
+  return frame;
+}
+
+TEST_F(BagTest, SimulatedSequenceReadsBackUnchanged) {
+  const auto sink = makeBagSink(file_, testCalibration());
+  for (int i = 0; i < 5; ++i) {
+    sink->write(testFrame(i));
+  }
+  sink->finish();
+
+  const auto reader = openBag(file_, {});
+  EXPECT_EQ(reader->size(), 5U);
+  const CameraCalibration calibration = reader->calibration();
+  EXPECT_EQ(calibration.width, 32);
+  EXPECT_EQ(calibration.height, 20);
+  EXPECT_DOUBLE_EQ(calibration.fx, 30.5);
+  EXPECT_DOUBLE_EQ(calibration.cy, 9.75);
+  EXPECT_EQ(calibration.distortion, testCalibration().distortion);
+  for (int i = 0; i < 5; ++i) {
+    const auto image = reader->next();
+    ASSERT_TRUE(image.has_value());
+    EXPECT_EQ(image->sequence, static_cast<std::uint64_t>(i));
+    EXPECT_EQ(image->mid_exposure_ns, kStart + i * kInterval);
+    ASSERT_TRUE(image->exposure.has_value());
+    EXPECT_DOUBLE_EQ(*image->exposure, 0.02);
+    EXPECT_EQ(cv::norm(image->image, testImage(i), cv::NORM_INF), 0.0);
+  }
+  EXPECT_FALSE(reader->next().has_value());
+}
+
+TEST_F(BagTest, GroundTruthIsRecordedButNeverTakenForInput) {
+  const auto sink = makeBagSink(file_, testCalibration());
+  SimulatedFrame frame = testFrame(1);
+  frame.sharp = testImage(9);
+  frame.depth = cv::Mat1f(20, 32, 2.0F);
+  sink->write(frame);
+  sink->finish();
+  EXPECT_EQ(openBag(file_, {})->size(), 1U);
+
+  rosbag::Bag bag(file_);
+  rosbag::View view(bag, rosbag::TopicQuery("/groundtruth/pose"));
+  ASSERT_EQ(view.size(), 1U);
+  const auto pose = view.begin()->instantiate<geometry_msgs::PoseStamped>();
+  EXPECT_EQ(pose->header.stamp.toNSec(), static_cast<std::uint64_t>(frame.mid_exposure_ns));
+  EXPECT_DOUBLE_EQ(pose->pose.position.x, 1.0);
+}
+
+TEST_F(BagTest, StampReferenceIsHonouredOnBothSides) {
+  for (const auto reference : {StampReference::kStart, StampReference::kMiddle, StampReference::kEnd}) {
+    BagImageWriter writer(file_, testCalibration(), reference);
+    writer.write(kStart, 0.02, testImage(0));
+    writer.close();
+    BagTopics topics;
+    topics.stamp_reference = reference;
+    const auto image = openBag(file_, topics)->next();
+    EXPECT_EQ(image->mid_exposure_ns, kStart) << toString(reference);
+    const std::int64_t offset = reference == StampReference::kStart ? -10'000'000
+                                : reference == StampReference::kEnd ? 10'000'000
+                                                                    : 0;
+    EXPECT_EQ(image->stamp_ns, kStart + offset) << toString(reference);
+  }
+}
+
+TEST_F(BagTest, UnknownExposureStaysUnknown) {
+  BagImageWriter writer(file_, testCalibration(), StampReference::kEnd);
+  writer.write(kStart, std::nullopt, testImage(0));
+  writer.close();
+  const auto image = openBag(file_, {})->next();
+  EXPECT_FALSE(image->exposure.has_value());
+  EXPECT_EQ(image->mid_exposure_ns, image->stamp_ns);
+}
+
+TEST_F(BagTest, ColourAndSixteenBitImagesAreAccepted) {
+  BagImageWriter writer(file_, testCalibration(), StampReference::kMiddle);
+  writer.write(kStart, std::nullopt, cv::Mat(20, 32, CV_8UC3, cv::Scalar(10, 20, 30)));
+  writer.write(kStart + kInterval, std::nullopt, cv::Mat(20, 32, CV_16UC1, cv::Scalar(40000)));
+  writer.close();
+  const auto reader = openBag(file_, {});
+  EXPECT_EQ(reader->next()->image.at<cv::Vec3b>(3, 3), cv::Vec3b(10, 20, 30));
+  EXPECT_EQ(reader->next()->image.at<std::uint16_t>(3, 3), 40000);
+}
+
+TEST_F(BagTest, SeveralImageTopicsAskForAName) {
+  BagImageWriter writer(file_, testCalibration(), StampReference::kMiddle);
+  writer.write(kStart, std::nullopt, testImage(0));
+  writer.writeImage("/right/image_raw", testImage(1));
+  writer.close();
+  const std::string error = errorOf({});
+  EXPECT_NE(error.find("/camera/image_raw, /right/image_raw"), std::string::npos) << error;
+  BagTopics topics;
+  topics.image = "/right/image_raw";
+  EXPECT_EQ(cv::norm(openBag(file_, topics)->next()->image, testImage(1), cv::NORM_INF), 0.0);
+  topics.image = "/left/image_raw";
+  EXPECT_NE(errorOf(topics).find("/left/image_raw"), std::string::npos) << errorOf(topics);
+}
+
+TEST_F(BagTest, UncalibratedCameraIsNamed) {
+  CameraCalibration calibration = testCalibration();
+  calibration.fx = 0.0;
+  BagImageWriter writer(file_, calibration, StampReference::kMiddle);
+  writer.write(kStart, std::nullopt, testImage(0));
+  writer.close();
+  const std::string error = errorOf({});
+  EXPECT_NE(error.find("/camera/camera_info"), std::string::npos) << error;
+  EXPECT_NE(error.find("K[0]"), std::string::npos) << error;
+}
+
+TEST_F(BagTest, MissingAndBrokenFilesAreNamed) {
+  EXPECT_NE(errorOf({}).find(file_), std::string::npos);
+  std::ofstream(file_) << "this is no bag";
+  EXPECT_NE(errorOf({}).find(file_), std::string::npos);
+  EXPECT_THROW(makeBagSink("/nonexistent/folder/x.bag", testCalibration()), std::runtime_error);
+}
+
+TEST_F(BagTest, TimesThatABagCannotHoldAreRefused) {
+  BagImageWriter writer(file_, testCalibration(), StampReference::kMiddle);
+  EXPECT_THROW(writer.write(0, std::nullopt, testImage(0)), std::runtime_error);
+  EXPECT_THROW(writer.write(std::int64_t{1} << 62, std::nullopt, testImage(0)), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace mba_vo

@@ -1,0 +1,34 @@
+// Turns a sequence folder into a bag that a live node can be fed with.
+#include <cstdio>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+
+#include "mba_vo/io/sequence.h"
+#include "mba_vo/ros/bag_image_writer.h"
+
+int main(int argc, char** argv) {
+  CLI::App app{"Turns a sequence folder into a rosbag: /camera/image_raw, /camera/camera_info, /camera/exposure."};
+  std::string sequence, output, images = "images", stamp_reference = "middle";
+  app.add_option("SEQUENCE", sequence, "sequence folder")->required();
+  app.add_option("--output", output, "bag to write")->required();
+  app.add_option("--images", images, "subfolder of the images")->capture_default_str();
+  app.add_option("--stamp-reference", stamp_reference, "what the stamps shall refer to: start, middle, end")
+      ->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  try {
+    const auto reader = mba_vo::openSequenceFolder(sequence, images);
+    mba_vo::BagImageWriter writer(output, reader->calibration(), mba_vo::parseStampReference(stamp_reference));
+    std::size_t count = 0;
+    while (const auto image = reader->next()) {
+      writer.write(image->mid_exposure_ns, image->exposure, image->image);
+      ++count;
+    }
+    writer.close();
+    std::printf("%s: %zu images\n", output.c_str(), count);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "mba_vo_make_bag: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
