@@ -1,4 +1,5 @@
 # Dependencies between modules run one way. Run as: cmake -DSOURCE_DIR=<repository> -P include_directions_test.cmake
+cmake_minimum_required(VERSION 3.16)
 # Each module may include itself and what is listed here; `ros` may include everything.
 set(geometry_may "")
 set(solver_may "")

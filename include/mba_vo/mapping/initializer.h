@@ -11,11 +11,17 @@ namespace mba_vo {
 struct InitializerConfig {
   double buffer_seconds = 2.0;
   double min_parallax = 0.02;  // translation over median depth
+  double target_parallax = 0.06;
+  double max_wait_seconds = 0.5;
+  int max_points = 500;
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
     v("buffer_seconds", c.buffer_seconds, 0.2, 10.0, "how far back frames are kept for initialisation [s]");
     v("min_parallax", c.min_parallax, 0.001, 0.5, "least translation over median depth of an initial map");
+    v("target_parallax", c.target_parallax, 0.001, 0.5, "translation over median depth worth waiting for");
+    v("max_wait_seconds", c.max_wait_seconds, 0.0, 10.0, "longest wait for it once there is a map [s]");
+    v("max_points", c.max_points, 100, 5000, "corners of the reference that are tracked");
   }
 };
 
@@ -36,7 +42,7 @@ class Initializer {
   explicit Initializer(const InitializerConfig& config);
   ~Initializer();
 
-  /// Adds a frame (increasing time). Returns a map once one is found that explains frames that took no part, else null.
+  /// Adds a frame (increasing time; a frame that is not later than the last, or of another camera, starts anew). Returns a map once one is found that explains frames that took no part, else null.
   std::unique_ptr<InitialMap> add(const FrameConstPtr& frame);
 
   /// Frames held now, oldest first. After success: every frame since the oldest useful one.
