@@ -15,10 +15,10 @@ struct SimulatedFrame {
   std::int64_t mid_exposure_ns = 0;
   double exposure = 0.0;  // [s]
   cv::Mat1b blurred;
-  cv::Mat1b sharp;        // empty unless asked for
-  cv::Mat1f depth;        // z at mid-exposure [m]; empty unless asked for
+  cv::Mat1b sharp;                              // empty unless asked for
+  cv::Mat1f depth;                              // z at mid-exposure [m]; empty unless asked for
   SE3 T_world_mid, T_world_start, T_world_end;  // camera (optical frame) to world
-  double blur_px = 0.0;   // mean image motion within the exposure at 2 m depth [px]
+  double blur_px = 0.0;                         // mean image motion within the exposure at 2 m depth [px]
 };
 
 /// Receives simulated frames in order: writes a sequence folder, a bag, or keeps them for a test.

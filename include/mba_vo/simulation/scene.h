@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "mba_vo/simulation/texture.h"
+
+namespace mba_vo {
+
+/// A textured rectangle, visible from the side that axis_u x axis_v points to.
+struct Surface {
+  Eigen::Vector3d origin;  // corner [m, world]
+  Eigen::Vector3d axis_u;  // unit
+  Eigen::Vector3d axis_v;  // unit, orthogonal to axis_u
+  double length_u = 0.0;   // [m]
+  double length_v = 0.0;   // [m]
+
+  int texture = 0;
+  // Texel = scale * (u or v) + offset.
+  double scale_u = 500.0;  // [texels/m]
+  double scale_v = 500.0;  // [texels/m]
+  double offset_u = 0.0;   // [texels]
+  double offset_v = 0.0;   // [texels]
+
+  /// Light times 255 as c0 + c1 u + c2 v + c3 u^2 + c4 u v + c5 v^2, u and v in [m].
+  std::array<float, 6> light = {255.0F, 0.0F, 0.0F, 0.0F, 0.0F, 0.0F};
+
+  Eigen::Vector3d normal() const { return axis_u.cross(axis_v); }
+};
+
+/// World frame: z up, floor at z = 0, the camera moves around the origin of x and y.
+struct Scene {
+  std::vector<Surface> surfaces;
+  std::vector<Texture> textures;
+};
+
+/// Box in which a camera may move without touching anything.
+struct FreeSpace {
+  Eigen::Vector3d center = {0.0, 0.0, 1.45};      // [m]
+  Eigen::Vector3d half_size = {1.0, 0.75, 0.25};  // [m]
+};
+
+/// A closed, furnished room. Nothing stands within 0.3 m of the free space.
+Scene makeRoom(int seed);
+
+}  // namespace mba_vo

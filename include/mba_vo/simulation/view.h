@@ -1,0 +1,60 @@
+#pragma once
+
+#include <vector>
+
+#include "mba_vo/geometry/se3.h"
+#include "mba_vo/simulation/ray_table.h"
+#include "mba_vo/simulation/scene.h"
+
+namespace mba_vo {
+
+/// f(x, y) = a x + b y + c of a ray (x, y, 1).
+struct LinearForm {
+  float a, b, c;
+
+  float at(float x, float y) const { return a * x + b * y + c; }
+  LinearForm operator-(const LinearForm& o) const { return {a - o.a, b - o.b, c - o.c}; }
+
+  struct Range {
+    float lowest, highest;
+  };
+  /// Values over a rectangle of rays; a linear form takes its extremes in the corners.
+  Range over(const RayRectangle& r) const;
+};
+
+/// A surface as one camera pose sees it. For a ray d = (x, y, 1) that hits its plane at depth z, `inverse_depth` is
+/// 1/z and the hit lies `edge[0]` z along axis_u and `edge[2]` z along axis_v, so everything is linear in the ray.
+struct ProjectedSurface {
+  LinearForm inverse_depth;
+  LinearForm edge[4];  // all >= 0 inside: u, length_u - u, v, length_v - v, each times 1/z
+  LinearForm ray_u;    // ray along axis_u and axis_v: the direction in which the view foreshortens
+  LinearForm ray_v;
+  float plane_distance;  // of the camera from the plane [m]
+  const Surface* surface;
+  const Texture* texture;
+};
+
+using View = std::vector<ProjectedSurface>;
+
+/// The surfaces whose front may be seen through `bounds`.
+View projectScene(const Scene& scene, const SE3& T_world_camera, const RayRectangle& bounds);
+
+/// Surfaces that can be seen through a rectangle of rays, the hidden ones left out where that is cheap to know.
+struct Candidates {
+  std::vector<const ProjectedSurface*> surfaces;
+  bool single_cover = false;  // one surface that fills the rectangle
+
+  void select(const View& view, const RayRectangle& bounds);
+  void select(const Candidates& larger, const RayRectangle& bounds);
+
+ private:
+  void add(const ProjectedSurface& surface, const RayRectangle& bounds);
+  void finish(const RayRectangle& bounds);
+
+  const ProjectedSurface* cover_ = nullptr;
+};
+
+/// Depth along one ray [m], 0 = nothing there.
+float depthAlongRay(const View& view, float x, float y);
+
+}  // namespace mba_vo

@@ -1,0 +1,115 @@
+#include "mba_vo/simulation/folder_sink.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <iomanip>
+#include <sstream>
+#include <stdexcept>
+
+#include <opencv2/imgcodecs.hpp>
+
+namespace mba_vo {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::ofstream openForWriting(const std::string& file) {
+  std::ofstream out(file);
+  if (!out) throw std::runtime_error("cannot write '" + file + "'");
+  out << std::fixed;
+  return out;
+}
+
+std::string seconds(std::int64_t ns) {
+  char text[40];
+  std::snprintf(text, sizeof(text), "%lld.%09lld", static_cast<long long>(ns / 1000000000),
+                static_cast<long long>(ns % 1000000000));
+  return text;
+}
+
+std::string poseText(const SE3& pose) {
+  std::ostringstream text;
+  const Eigen::Vector3d& t = pose.translation();
+  const Eigen::Quaterniond& q = pose.rotation();
+  text << std::fixed << std::setprecision(9) << t.x() << ' ' << t.y() << ' ' << t.z() << ' ' << q.x() << ' ' << q.y()
+       << ' ' << q.z() << ' ' << q.w();
+  return text.str();
+}
+
+std::string list(const std::vector<double>& values) {
+  std::ostringstream text;
+  text << std::setprecision(12) << '[';
+  for (std::size_t i = 0; i < values.size(); ++i) text << (i > 0 ? ", " : "") << values[i];
+  text << ']';
+  return text.str();
+}
+
+void writeCamera(const std::string& file, const CameraCalibration& c) {
+  std::vector<double> d = c.distortion;
+  if (d.empty()) d.assign(c.distortion_model == "rational_polynomial" ? 8 : 5, 0.0);
+  std::ofstream out = openForWriting(file);
+  out << "image_width: " << c.width << "\nimage_height: " << c.height << "\ncamera_name: simulated\n"
+      << "camera_matrix: {rows: 3, cols: 3, data: " << list({c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}) << "}\n"
+      << "distortion_model: " << c.distortion_model << "\n"
+      << "distortion_coefficients: {rows: 1, cols: " << d.size() << ", data: " << list(d) << "}\n"
+      << "rectification_matrix: {rows: 3, cols: 3, data: " << list({1, 0, 0, 0, 1, 0, 0, 0, 1}) << "}\n"
+      << "projection_matrix: {rows: 3, cols: 4, data: " << list({c.fx, 0, c.cx, 0, 0, c.fy, c.cy, 0, 0, 0, 1, 0})
+      << "}\n";
+}
+
+}  // namespace
+
+FolderSink::FolderSink(const std::string& folder, const CameraCalibration& calibration) : folder_(folder) {
+  if (fs::exists(folder + "/times.txt")) {
+    throw std::runtime_error("'" + folder + "' already holds a sequence; choose another folder or remove it");
+  }
+  std::error_code error;
+  fs::create_directories(folder + "/images", error);
+  if (error) throw std::runtime_error("cannot make the folder '" + folder + "/images': " + error.message());
+  writeCamera(folder + "/camera.yaml", calibration);
+  times_ = openForWriting(folder + "/times.txt");
+  times_ << "# id t_mid[s] exposure[ms]\n";
+  groundtruth_ = openForWriting(folder + "/groundtruth.txt");
+  groundtruth_ << "# mid-exposure camera-to-world pose (optical frame): t tx ty tz qx qy qz qw\n";
+  exposures_ = openForWriting(folder + "/groundtruth_exposure.txt");
+  exposures_ << "# t_mid exposure[s] then start pose and end pose, each tx ty tz qx qy qz qw\n";
+  blur_ = openForWriting(folder + "/blur_px.txt");
+}
+
+void FolderSink::write(const SimulatedFrame& frame) {
+  writeImage("images", frame, frame.blurred);
+  if (!frame.sharp.empty()) writeImage("images_sharp", frame, frame.sharp);
+  if (!frame.depth.empty()) {
+    cv::Mat depth;
+    cv::Mat1f near = frame.depth.clone();
+    near.setTo(0.0F, frame.depth > 65535.0 / kDepthUnitsPerMetre);
+    near.convertTo(depth, CV_16U, kDepthUnitsPerMetre);
+    writeImage("depth", frame, depth);
+  }
+  const std::string t = seconds(frame.mid_exposure_ns);
+  times_ << frame.id << ' ' << t << ' ' << std::setprecision(4) << 1e3 * frame.exposure << '\n';
+  groundtruth_ << t << ' ' << poseText(frame.T_world_mid) << '\n';
+  exposures_ << t << ' ' << std::setprecision(6) << frame.exposure << ' ' << poseText(frame.T_world_start) << ' '
+             << poseText(frame.T_world_end) << '\n';
+  blur_ << std::setprecision(2) << frame.blur_px << '\n';
+}
+
+void FolderSink::writeImage(const std::string& subfolder, const SimulatedFrame& frame, const cv::Mat& image) const {
+  char name[32];
+  std::snprintf(name, sizeof(name), "/%06llu.png", static_cast<unsigned long long>(frame.id));
+  std::error_code error;
+  fs::create_directories(folder_ + "/" + subfolder, error);
+  const std::string file = folder_ + "/" + subfolder + name;
+  if (error || !cv::imwrite(file, image, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
+    throw std::runtime_error("cannot write '" + file + "'");
+  }
+}
+
+void FolderSink::finish() {
+  for (std::ofstream* file : {&times_, &groundtruth_, &exposures_, &blur_}) {
+    file->flush();
+    if (!*file) throw std::runtime_error("cannot write the text files of '" + folder_ + "' (disk full?)");
+  }
+}
+
+}  // namespace mba_vo

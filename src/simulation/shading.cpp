@@ -1,0 +1,138 @@
+#include "mba_vo/simulation/shading.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+namespace mba_vo {
+namespace {
+
+constexpr int kPixels = RayBlock::kPixels;
+constexpr float kFarthest = 1e-3F;       // [1/m], keeps pixels centred beyond a surface's edge finite
+constexpr float kMostAnisotropy = 4.0F;  // texture look-ups along the foreshortened direction
+constexpr float kLodBias = -0.3F;        // bilinear look-ups soften by themselves
+
+/// log2 to 0.01, quick and vectorisable.
+inline float roughLog2(float x) {
+  std::uint32_t bits;
+  std::memcpy(&bits, &x, sizeof(bits));
+  const float exponent = static_cast<float>(static_cast<std::int32_t>(bits >> 23)) - 127.0F;
+  bits = (bits & 0x007FFFFFU) | 0x3F800000U;
+  float mantissa;
+  std::memcpy(&mantissa, &bits, sizeof(mantissa));
+  return exponent + (-0.33582878F * mantissa + 2.0F) * mantissa - 1.65871022F;
+}
+
+/// Where the pixels of a block fall on a surface.
+struct TextureCoordinates {
+  float u[kPixels], v[kPixels];  // [m]
+  float lod[kPixels];
+  float du[kPixels], dv[kPixels];  // from end to end of the foreshortened pixel [m]
+  int probes = 1;
+
+  TextureCoordinates(const RayBlock& block, const ProjectedSurface& p) {
+    const float length_u = static_cast<float>(p.surface->length_u);
+    const float length_v = static_cast<float>(p.surface->length_v);
+    const float texels = static_cast<float>(std::sqrt(p.surface->scale_u * p.surface->scale_v));
+    const float pixel = block.pixel_size;
+    const float inverse_distance = 1.0F / p.plane_distance;
+    float most = 1.0F;
+    for (int i = 0; i < kPixels; ++i) {
+      const float x = block.x[i];
+      const float y = block.y[i];
+      const float z = 1.0F / std::max(p.inverse_depth.at(x, y), kFarthest);
+      u[i] = std::min(std::max(p.edge[0].at(x, y) * z, 0.0F), length_u);
+      v[i] = std::min(std::max(p.edge[2].at(x, y) * z, 0.0F), length_v);
+      // A pixel covers z * pixel across and, by the tilt of the plane against the ray, `stretch` times that along.
+      const float stretch = std::min(std::max(z * inverse_distance, 1.0F), 4.0F * kMostAnisotropy);
+      const float across = z * pixel;
+      lod[i] = kLodBias + roughLog2(texels * across * std::max(1.0F, stretch * (1.0F / kMostAnisotropy)));
+      const float a = p.ray_u.at(x, y);
+      const float b = p.ray_v.at(x, y);
+      const float along = across * stretch / std::sqrt(a * a + b * b + 1e-12F);
+      du[i] = a * along;
+      dv[i] = b * along;
+      most = std::max(most, stretch);
+    }
+    probes = static_cast<int>(std::ceil(std::min(most, kMostAnisotropy) - 0.25F));
+  }
+};
+
+/// n-th point of the R2 low-discrepancy sequence in [-1/2, 1/2)^2 (n = 0 is the centre).
+struct Offset {
+  float x, y;
+  explicit Offset(int n) {
+    const double a = 0.5 + 0.7548776662466927 * n;
+    const double b = 0.5 + 0.5698402909980532 * n;
+    x = static_cast<float>(a - std::floor(a) - 0.5);
+    y = static_cast<float>(b - std::floor(b) - 0.5);
+  }
+};
+
+}  // namespace
+
+void shade(const RayBlock& block, const ProjectedSurface& projected, const float* weights, float* light) {
+  const TextureCoordinates at(block, projected);
+  const Surface& surface = *projected.surface;
+  const float scale_u = static_cast<float>(surface.scale_u);
+  const float scale_v = static_cast<float>(surface.scale_v);
+  const float offset_u = static_cast<float>(surface.offset_u);
+  const float offset_v = static_cast<float>(surface.offset_v);
+  const auto& c = surface.light;
+  const float share = 1.0F / static_cast<float>(at.probes);
+  for (int i = 0; i < kPixels; ++i) {
+    if (weights != nullptr && weights[i] == 0.0F) continue;
+    const float u = at.u[i];
+    const float v = at.v[i];
+    float reflectance = 0.0F;
+    for (int probe = 0; probe < at.probes; ++probe) {
+      const float along = (static_cast<float>(probe) + 0.5F) * share - 0.5F;
+      reflectance += projected.texture->sample((u + along * at.du[i]) * scale_u + offset_u,
+                                               (v + along * at.dv[i]) * scale_v + offset_v, at.lod[i]);
+    }
+    const float lamp = c[0] + u * (c[1] + c[3] * u + c[4] * v) + v * (c[2] + c[5] * v);
+    light[i] += (weights != nullptr ? weights[i] : 1.0F) * share * reflectance * lamp;
+  }
+}
+
+void VisibilityBuffer::cast(const RayBlock& block, const Candidates& candidates, float dx, float dy) {
+  const float shift_x = dx * block.x_col + dy * block.x_row;
+  const float shift_y = dx * block.y_col + dy * block.y_row;
+  std::fill(inverse_depth_, inverse_depth_ + kPixels, 0.0F);
+  std::fill(surface_, surface_ + kPixels, -1);
+  for (int index = 0; index < static_cast<int>(candidates.surfaces.size()); ++index) {
+    const ProjectedSurface& s = *candidates.surfaces[static_cast<std::size_t>(index)];
+    for (int i = 0; i < kPixels; ++i) {
+      const float x = block.x[i] + shift_x;
+      const float y = block.y[i] + shift_y;
+      const float inside =
+          std::min(std::min(s.edge[0].at(x, y), s.edge[1].at(x, y)), std::min(s.edge[2].at(x, y), s.edge[3].at(x, y)));
+      const float inverse_depth = s.inverse_depth.at(x, y);
+      const bool hit = (inside >= 0.0F) & (inverse_depth > inverse_depth_[i]);
+      inverse_depth_[i] = hit ? inverse_depth : inverse_depth_[i];
+      surface_[i] = hit ? index : surface_[i];
+    }
+  }
+}
+
+void VisibilityBuffer::integrate(const RayBlock& block, const Candidates& candidates, int first, int samples,
+                                 float* light) {
+  const std::size_t count = candidates.surfaces.size();
+  coverage_.assign(count * kPixels, 0.0F);
+  const float share = 1.0F / static_cast<float>(samples);
+  for (int sample = 0; sample < samples; ++sample) {
+    const Offset offset(first + sample);
+    cast(block, candidates, offset.x, offset.y);
+    for (int i = 0; i < kPixels; ++i) {
+      if (surface_[i] >= 0) coverage_[static_cast<std::size_t>(surface_[i] * kPixels + i)] += share;
+    }
+  }
+  for (std::size_t index = 0; index < count; ++index) {
+    const float* coverage = coverage_.data() + index * kPixels;
+    const bool seen = std::any_of(coverage, coverage + kPixels, [](float weight) { return weight > 0.0F; });
+    if (seen) shade(block, *candidates.surfaces[index], coverage, light);
+  }
+}
+
+}  // namespace mba_vo

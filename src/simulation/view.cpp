@@ -1,0 +1,116 @@
+#include "mba_vo/simulation/view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mba_vo {
+namespace {
+
+constexpr double kNearestPlane = 1e-4;  // [m], a surface seen edge-on has no image
+
+LinearForm linear(const Eigen::Vector3d& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
+bool outside(const ProjectedSurface& surface, const RayRectangle& bounds) {
+  return std::any_of(std::begin(surface.edge), std::end(surface.edge),
+                     [&](const LinearForm& edge) { return edge.over(bounds).highest < 0.0F; });
+}
+
+ProjectedSurface project(const Surface& s, const Eigen::Matrix3d& R_camera_world, const Eigen::Vector3d& position,
+                         double plane_distance) {
+  const Eigen::Vector3d axis_u = R_camera_world * s.axis_u;
+  const Eigen::Vector3d axis_v = R_camera_world * s.axis_v;
+  const Eigen::Vector3d origin = R_camera_world * (s.origin - position);
+  // n.(z d - origin) = 0 and n.origin = -plane_distance, so 1/z = -n.d / plane_distance.
+  const Eigen::Vector3d m = -axis_u.cross(axis_v) / plane_distance;
+  const Eigen::Vector3d u = axis_u - axis_u.dot(origin) * m;  // u / z = axis_u.(d - origin / z)
+  const Eigen::Vector3d v = axis_v - axis_v.dot(origin) * m;
+  ProjectedSurface out{};
+  out.inverse_depth = linear(m);
+  out.edge[0] = linear(u);
+  out.edge[1] = linear(s.length_u * m - u);
+  out.edge[2] = linear(v);
+  out.edge[3] = linear(s.length_v * m - v);
+  out.ray_u = linear(axis_u);
+  out.ray_v = linear(axis_v);
+  out.plane_distance = static_cast<float>(plane_distance);
+  out.surface = &s;
+  return out;
+}
+
+}  // namespace
+
+LinearForm::Range LinearForm::over(const RayRectangle& r) const {
+  const float center = at(0.5F * (r.x_min + r.x_max), 0.5F * (r.y_min + r.y_max));
+  const float radius = 0.5F * (std::abs(a) * (r.x_max - r.x_min) + std::abs(b) * (r.y_max - r.y_min));
+  return {center - radius, center + radius};
+}
+
+View projectScene(const Scene& scene, const SE3& T_world_camera, const RayRectangle& bounds) {
+  const Eigen::Matrix3d R_camera_world = T_world_camera.rotationMatrix().transpose();
+  const Eigen::Vector3d& position = T_world_camera.translation();
+  View view;
+  view.reserve(scene.surfaces.size() / 2);
+  for (const Surface& surface : scene.surfaces) {
+    const double plane_distance = surface.normal().dot(position - surface.origin);
+    if (plane_distance < kNearestPlane) continue;
+    const ProjectedSurface projected = project(surface, R_camera_world, position, plane_distance);
+    if (outside(projected, bounds)) continue;
+    view.push_back(projected);
+    view.back().texture = &scene.textures[static_cast<std::size_t>(surface.texture)];
+  }
+  return view;
+}
+
+void Candidates::add(const ProjectedSurface& surface, const RayRectangle& bounds) {
+  bool covers = true;
+  for (const LinearForm& edge : surface.edge) {
+    const LinearForm::Range range = edge.over(bounds);
+    if (range.highest < 0.0F) return;
+    covers = covers && range.lowest >= 0.0F;
+  }
+  surfaces.push_back(&surface);
+  if (!covers) return;
+  const float x = bounds.x_min;
+  const float y = bounds.y_min;
+  if (cover_ == nullptr || surface.inverse_depth.at(x, y) > cover_->inverse_depth.at(x, y)) cover_ = &surface;
+}
+
+void Candidates::finish(const RayRectangle& bounds) {
+  if (cover_ != nullptr) {
+    const auto hidden = [&](const ProjectedSurface* s) {
+      return s != cover_ && (cover_->inverse_depth - s->inverse_depth).over(bounds).lowest > 0.0F;
+    };
+    surfaces.erase(std::remove_if(surfaces.begin(), surfaces.end(), hidden), surfaces.end());
+  }
+  single_cover = cover_ != nullptr && surfaces.size() == 1;
+}
+
+void Candidates::select(const View& view, const RayRectangle& bounds) {
+  surfaces.clear();
+  cover_ = nullptr;
+  for (const ProjectedSurface& surface : view) add(surface, bounds);
+  finish(bounds);
+}
+
+void Candidates::select(const Candidates& larger, const RayRectangle& bounds) {
+  surfaces.clear();
+  cover_ = nullptr;
+  for (const ProjectedSurface* surface : larger.surfaces) add(*surface, bounds);
+  finish(bounds);
+}
+
+float depthAlongRay(const View& view, float x, float y) {
+  float nearest = 0.0F;
+  for (const ProjectedSurface& s : view) {
+    const float inverse_depth = s.inverse_depth.at(x, y);
+    if (inverse_depth <= nearest) continue;
+    const bool inside = s.edge[0].at(x, y) >= 0.0F && s.edge[1].at(x, y) >= 0.0F && s.edge[2].at(x, y) >= 0.0F &&
+                        s.edge[3].at(x, y) >= 0.0F;
+    if (inside) nearest = inverse_depth;
+  }
+  return nearest > 0.0F ? 1.0F / nearest : 0.0F;
+}
+
+}  // namespace mba_vo
