@@ -9,3 +9,4 @@ function(mba_vo_tool name)
 endfunction()
 
 mba_vo_tool(mba_vo_evaluate mba_vo_evaluation)
+mba_vo_tool(mba_vo_offline mba_vo_io)

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mba_vo/io/sequence.h"
+#include "mba_vo/odometry/odometry.h"
+
+namespace mba_vo {
+
+/// What became of one input image: a row of frames.csv.
+struct FrameRecord {
+  std::uint64_t sequence = 0;
+  std::int64_t stamp_ns = 0;         // as recorded [ns]
+  std::int64_t mid_exposure_ns = 0;  // [ns]
+  std::optional<double> exposure;    // given to the tracker [s]; nullopt = unknown
+  std::string status;                // TRACKING, DEGRADED: it has a pose; INITIALIZING, LOST, REJECTED: it has none
+  std::string reason;
+  std::optional<MapId> map;              // of its pose
+  std::optional<double> blur_length_px;  // [px]; these three only if the tracker itself found the pose
+  std::optional<int> points_used;
+  std::optional<double> residual_rms;  // [grey levels]
+  double tracking_ms = 0.0;
+  double mapping_ms = 0.0;
+  std::string message;  // of the mapper
+
+  bool hasPose() const { return map.has_value(); }
+};
+
+/// Collects one record per input image. The final status is known only once the final trajectory is: frames may be
+/// tracked backwards after initialisation, and a map may be given up.
+class RunLog {
+ public:
+  void add(const OdometryResult& result, const std::string& warning);
+  void addRejected(const SequenceImage& image, const std::string& reason);
+  /// Brings every status in line with the final trajectory. Call once, at the end.
+  void settle(const std::vector<TrajectoryEntry>& trajectory);
+
+  const std::vector<FrameRecord>& frames() const { return frames_; }
+  const std::vector<KeyframeReport>& keyframes() const { return keyframes_; }
+
+ private:
+  void addLate(const TrackedFrame& late);
+
+  std::vector<FrameRecord> frames_;
+  std::vector<KeyframeReport> keyframes_;
+};
+
+/// Counts over all records, after settle().
+struct FrameCounts {
+  std::size_t frames = 0;
+  std::size_t tracked = 0;                       // have a pose in the final trajectory
+  std::size_t dropped = 0;                       // have none
+  std::size_t dropped_after_initialization = 0;  // after the first frame with a pose
+  std::size_t rejected = 0;
+  std::size_t maps = 0;
+};
+
+FrameCounts countFrames(const std::vector<FrameRecord>& frames);
+
+}  // namespace mba_vo

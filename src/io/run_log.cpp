@@ -1,0 +1,112 @@
+#include "mba_vo/io/run_log.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace mba_vo {
+namespace {
+
+void appendText(std::string& text, const std::string& more) {
+  if (!more.empty()) {
+    text += (text.empty() ? "" : "; ") + more;
+  }
+}
+
+void takeTracking(const TrackedFrame& tracked, FrameRecord& record) {
+  record.status = toString(tracked.status);
+  record.reason = tracked.reason;
+  if (tracked.tracked()) {
+    record.blur_length_px = tracked.blur_length_px;
+    record.points_used = tracked.points_used;
+    record.residual_rms = tracked.residual_rms;
+  }
+  record.tracking_ms += tracked.tracking_ms;
+}
+
+}  // namespace
+
+void RunLog::add(const OdometryResult& result, const std::string& warning) {
+  FrameRecord record;
+  record.sequence = result.tracked->frame->sequence;
+  record.stamp_ns = result.tracked->frame->stamp_ns;
+  record.mid_exposure_ns = result.tracked->frame->mid_exposure_ns;
+  record.exposure = result.tracked->frame->exposure;
+  takeTracking(*result.tracked, record);
+  appendText(record.reason, warning);
+  record.mapping_ms = result.mapping_ms;
+  for (const MapperOutput& mapping : result.mapping) {
+    appendText(record.message, mapping.message);
+    if (mapping.keyframe) {
+      keyframes_.push_back(*mapping.keyframe);
+    }
+  }
+  frames_.push_back(record);
+  for (const TrackedFrameConstPtr& late : result.late) {
+    addLate(*late);
+  }
+}
+
+void RunLog::addLate(const TrackedFrame& late) {
+  const auto found = std::find_if(frames_.rbegin(), frames_.rend(),
+                                  [&](const FrameRecord& record) { return record.sequence == late.frame->sequence; });
+  if (found != frames_.rend()) {
+    takeTracking(late, *found);
+    appendText(found->reason, "had to wait for the first reference");
+  }
+}
+
+void RunLog::addRejected(const SequenceImage& image, const std::string& reason) {
+  FrameRecord record;
+  record.sequence = image.sequence;
+  record.stamp_ns = image.stamp_ns;
+  record.mid_exposure_ns = image.mid_exposure_ns;
+  record.exposure = image.exposure;
+  record.status = "REJECTED";
+  record.reason = reason;
+  frames_.push_back(record);
+}
+
+void RunLog::settle(const std::vector<TrajectoryEntry>& trajectory) {
+  std::map<std::uint64_t, MapId> map_of_frame;
+  for (const TrajectoryEntry& entry : trajectory) {
+    map_of_frame[entry.frame_sequence] = entry.map_id;
+  }
+  const std::string tracking = toString(TrackingStatus::kTracking);
+  for (FrameRecord& frame : frames_) {
+    const auto found = map_of_frame.find(frame.sequence);
+    const bool was_tracked = frame.points_used.has_value();
+    if (found != map_of_frame.end()) {
+      frame.map = found->second;
+      if (!was_tracked) {
+        const bool initializing = frame.status == toString(TrackingStatus::kInitializing);
+        frame.reason = initializing ? "tracked backwards after initialisation" : "tracked later by the mapper";
+        frame.status = tracking;
+      }
+    } else if (was_tracked) {
+      appendText(frame.reason, "pose given up by the mapper, was " + frame.status);
+      frame.status = toString(TrackingStatus::kLost);
+    }
+  }
+}
+
+FrameCounts countFrames(const std::vector<FrameRecord>& frames) {
+  const auto hasNoPose = [](const FrameRecord& frame) { return !frame.hasPose(); };
+  const auto first = std::find_if_not(frames.begin(), frames.end(), hasNoPose);
+  std::set<MapId> maps;
+  FrameCounts counts;
+  counts.frames = frames.size();
+  for (const FrameRecord& frame : frames) {
+    counts.rejected += frame.status == "REJECTED" ? 1U : 0U;
+    if (frame.hasPose()) {
+      ++counts.tracked;
+      maps.insert(*frame.map);
+    }
+  }
+  counts.dropped = counts.frames - counts.tracked;
+  counts.dropped_after_initialization = static_cast<std::size_t>(std::count_if(first, frames.end(), hasNoPose));
+  counts.maps = maps.size();
+  return counts;
+}
+
+}  // namespace mba_vo

@@ -1,0 +1,122 @@
+#include "mba_vo/io/run_writer.h"
+
+#include <sys/resource.h>
+
+#include <filesystem>
+#include <iomanip>
+#include <sstream>
+#include <stdexcept>
+
+#include "mba_vo/io/trajectory_writer.h"
+
+namespace mba_vo {
+namespace {
+
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    result += c == '"' ? "\"\"" : std::string(1, c == '\n' ? ' ' : c);
+  }
+  return result + "\"";
+}
+
+/// For YAML, where a backslash escapes.
+std::string yamlQuoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    result += (c == '"' || c == '\\' ? "\\" : "") + std::string(1, c == '\n' ? ' ' : c);
+  }
+  return result + "\"";
+}
+
+template <typename Value>
+std::string optionalText(const std::optional<Value>& value, int decimals) {
+  std::ostringstream text;
+  if (value) {
+    text << std::fixed << std::setprecision(decimals) << *value;
+  }
+  return text.str();
+}
+
+void writeStage(std::ostream& out, const char* name, double seconds, std::size_t frames) {
+  const double per_frame = frames == 0 ? 0.0 : 1e3 * seconds / static_cast<double>(frames);
+  out << "  " << name << ": {total_s: " << seconds << ", per_frame_ms: " << per_frame << "}\n";
+}
+
+}  // namespace
+
+void writeFrames(const std::vector<FrameRecord>& frames, std::ostream& out) {
+  out << "sequence,time,stamp,exposure,status,reason,map,blur_px,points,residual,tracking_ms,mapping_ms,message\n";
+  out << std::fixed << std::setprecision(3);
+  for (const FrameRecord& frame : frames) {
+    constexpr int kMicroseconds = 6;
+    out << frame.sequence << "," << formatSeconds(frame.mid_exposure_ns) << "," << formatSeconds(frame.stamp_ns) << ","
+        << optionalText(frame.exposure, kMicroseconds) << "," << frame.status << "," << quoted(frame.reason) << ","
+        << optionalText(frame.map, 0) << "," << optionalText(frame.blur_length_px, 2) << ","
+        << optionalText(frame.points_used, 0) << "," << optionalText(frame.residual_rms, 3) << "," << frame.tracking_ms
+        << "," << frame.mapping_ms << "," << quoted(frame.message) << "\n";
+  }
+}
+
+void writeKeyframes(const std::vector<KeyframeReport>& keyframes, std::ostream& out) {
+  out << "keyframe,sequence,time,blur_px,points,residuals,rms,depth_search_ms,activation_ms,deblur_ms,optimisation_ms,"
+         "marginalisation_ms,selection_ms,total_ms\n";
+  out << std::fixed << std::setprecision(3);
+  for (const KeyframeReport& k : keyframes) {
+    out << k.keyframe_id << "," << k.frame_sequence << "," << formatSeconds(k.mid_exposure_ns) << ","
+        << k.blur_length_px << "," << k.points << "," << k.residuals << "," << k.rms << "," << k.depth_search_ms << ","
+        << k.activation_ms << "," << k.deblur_ms << "," << k.optimisation_ms << "," << k.marginalisation_ms << ","
+        << k.selection_ms << "," << k.total_ms << "\n";
+  }
+}
+
+void writeSummary(const OfflineResult& result, const std::vector<std::pair<std::string, std::string>>& settings,
+                  std::ostream& out) {
+  for (const auto& [name, value] : settings) {
+    out << name << ": " << yamlQuoted(value) << "\n";
+  }
+  const FrameCounts counts = countFrames(result.log.frames());
+  out << "frames: " << counts.frames << "\n";
+  out << "tracked: " << counts.tracked << "\n";
+  out << "dropped: " << counts.dropped << "\n";
+  out << "dropped_after_initialization: " << counts.dropped_after_initialization << "\n";
+  out << "rejected: " << counts.rejected << "\n";
+  out << "skipped: " << result.skipped << "\n";
+  out << "keyframes: " << result.log.keyframes().size() << "\n";
+  out << "maps: " << counts.maps << "\n";
+  const StageTimes& times = result.times;
+  out << std::fixed << std::setprecision(3) << "times:\n";
+  writeStage(out, "load", times.load, counts.frames);
+  writeStage(out, "frame_build", times.frame_build, counts.frames);
+  writeStage(out, "tracking", times.tracking, counts.frames);
+  writeStage(out, "mapping", times.mapping, counts.frames);
+  writeStage(out, "total", times.total, counts.frames);
+  out << "peak_memory_mb: " << std::setprecision(1) << peakMemoryMegabytes() << "\n";
+}
+
+void writeRun(const std::string& folder, const OfflineResult& result,
+              const std::vector<std::pair<std::string, std::string>>& settings) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) {
+    throw std::runtime_error(folder + ": cannot be made: " + error.message());
+  }
+  const std::filesystem::path path(folder);
+  const auto write = [&](const char* name, const std::function<void(std::ostream&)>& content) {
+    writeFile((path / name).string(), content);
+  };
+  write("trajectory.txt", [&](std::ostream& out) { writeTrajectory(result.trajectory, out); });
+  write("exposure_trajectory.txt", [&](std::ostream& out) { writeExposureTrajectory(result.trajectory, out); });
+  write("frames.csv", [&](std::ostream& out) { writeFrames(result.log.frames(), out); });
+  write("keyframes.csv", [&](std::ostream& out) { writeKeyframes(result.log.keyframes(), out); });
+  write("summary.yaml", [&](std::ostream& out) { writeSummary(result, settings, out); });
+}
+
+double peakMemoryMegabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  constexpr double kKibibytesPerMegabyte = 1e6 / 1024.0;  // Linux counts in KiB
+  return static_cast<double>(usage.ru_maxrss) / kKibibytesPerMegabyte;
+}
+
+}  // namespace mba_vo

@@ -1,0 +1,197 @@
+// Runs the odometry over a recorded sequence, a folder or a bag, and writes what it found. Needs no ROS master.
+#include <unistd.h>
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "mba_vo/io/offline_run.h"
+#include "mba_vo/io/progress_bar.h"
+#include "mba_vo/io/run_writer.h"
+#include "mba_vo/odometry/config_yaml.h"
+#ifdef MBA_VO_WITH_ROS
+#include "mba_vo/ros/bag_reader.h"
+#endif
+
+namespace {
+
+struct Arguments {
+  std::string sequence;
+  std::string output;
+  std::string config_file;
+  std::string images = "images";
+  std::string exposure = "auto";
+  std::string image_topic;
+  std::string camera_info_topic;
+  std::string exposure_topic;
+  std::string stamp_reference = "middle";
+  std::size_t skip = 0;
+  int reference_delay = 0;
+  bool rectified = false;
+  bool deterministic = false;
+  bool print_config = false;
+};
+
+/// "auto" or seconds.
+std::string checkExposure(const std::string& text) {
+  if (text == "auto") {
+    return "";
+  }
+  constexpr double kLongest = 10.0;  // [s]
+  std::size_t used = 0;
+  double seconds = -1.0;
+  try {
+    seconds = std::stod(text, &used);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  const bool good = used == text.size() && seconds >= 0.0 && seconds <= kLongest;
+  return good ? "" : "exposure '" + text + "': must be auto or 0 to 10 seconds";
+}
+
+void describe(CLI::App& app, Arguments& a) {
+  app.add_option("SEQUENCE", a.sequence, "sequence folder (camera.yaml, times.txt, images) or .bag file");
+  app.add_option("--output", a.output, "folder for the results, made if need be");
+  app.add_option("--config", a.config_file, "YAML file with options; see --print-config");
+  app.add_option("--images", a.images, "sub-folder with the images of a sequence folder")->capture_default_str();
+  app.add_option("--exposure", a.exposure, "auto = as recorded, or seconds for all images; 0 = treat as sharp")
+      ->capture_default_str()
+      ->check(checkExposure);
+  app.add_option("--skip", a.skip, "images to leave out at the beginning")->capture_default_str();
+  app.add_flag("--deterministic", a.deterministic, "bit-identical results run after run");
+  app.add_option("--reference-delay", a.reference_delay,
+                 "frames from a keyframe to the first that is aligned to it; 0 = ideal, about 12 = a live machine")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1000));
+  app.add_flag("--print-config", a.print_config, "print the options with defaults, meaning and range, and stop");
+  app.add_option("--image-topic", a.image_topic, "of the bag; found by type if there is only one");
+  app.add_option("--camera-info-topic", a.camera_info_topic, "of the bag; found beside the image topic");
+  app.add_option("--exposure-topic", a.exposure_topic, "of the bag; found by type if there is only one");
+  app.add_option("--stamp-reference", a.stamp_reference, "what the bag's image stamps refer to: start, middle or end")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"start", "middle", "end"}));
+  app.add_flag("--rectified", a.rectified, "the bag's images are rectified already");
+}
+
+std::optional<double> exposureOverride(const Arguments& a) {
+  return a.exposure == "auto" ? std::nullopt : std::optional<double>(std::stod(a.exposure));
+}
+
+#ifdef MBA_VO_WITH_ROS
+/// A bag without exposures, given one for all images: only now can stamps of start or end be turned into mid-exposure.
+class BagOfKnownExposure : public mba_vo::SequenceReader {
+ public:
+  BagOfKnownExposure(std::unique_ptr<SequenceReader> bag, double exposure, mba_vo::StampReference reference)
+      : bag_(std::move(bag)), exposure_(exposure), reference_(reference) {}
+  mba_vo::CameraCalibration calibration() const override { return bag_->calibration(); }
+  std::size_t size() const override { return bag_->size(); }
+  std::optional<mba_vo::SequenceImage> next() override {
+    std::optional<mba_vo::SequenceImage> image = bag_->next();
+    if (image && !image->exposure) {
+      image->mid_exposure_ns = mba_vo::midExposure(image->stamp_ns, exposure_, reference_);
+    }
+    return image;
+  }
+
+ private:
+  std::unique_ptr<SequenceReader> bag_;
+  double exposure_;  // [s]
+  mba_vo::StampReference reference_;
+};
+
+std::unique_ptr<mba_vo::SequenceReader> openBag(const Arguments& a) {
+  mba_vo::BagTopics topics;
+  topics.image = a.image_topic;
+  topics.camera_info = a.camera_info_topic;
+  topics.exposure = a.exposure_topic;
+  topics.stamp_reference = mba_vo::parseStampReference(a.stamp_reference);
+  topics.rectified = a.rectified;
+  auto bag = mba_vo::openBag(a.sequence, topics);
+  const std::optional<double> exposure = exposureOverride(a);
+  if (!exposure) {
+    return bag;
+  }
+  return std::make_unique<BagOfKnownExposure>(std::move(bag), *exposure, topics.stamp_reference);
+}
+#else
+std::unique_ptr<mba_vo::SequenceReader> openBag(const Arguments& a) {
+  throw std::runtime_error(a.sequence + ": this program was built without ROS (MBA_VO_ROS=OFF) and cannot read bags");
+}
+#endif
+
+std::unique_ptr<mba_vo::SequenceReader> openSequence(const Arguments& a) {
+  if (!std::filesystem::exists(a.sequence)) {
+    throw std::runtime_error(a.sequence + ": no such sequence folder or bag");
+  }
+  return std::filesystem::is_directory(a.sequence) ? mba_vo::openSequenceFolder(a.sequence, a.images) : openBag(a);
+}
+
+/// What summary.yaml says about how the run was made.
+std::vector<std::pair<std::string, std::string>> settingsOf(const Arguments& a) {
+  return {{"sequence", a.sequence},
+          {"images", a.images},
+          {"config", a.config_file},
+          {"exposure", a.exposure},
+          {"deterministic", a.deterministic ? "yes" : "no"},
+          {"reference_delay_frames", std::to_string(a.reference_delay)}};
+}
+
+void printCounts(const mba_vo::OfflineResult& result) {
+  const mba_vo::FrameCounts counts = mba_vo::countFrames(result.log.frames());
+  std::cout << counts.tracked << " of " << counts.frames << " frames tracked, " << counts.dropped_after_initialization
+            << " dropped after initialisation, " << counts.rejected << " rejected at the input, "
+            << result.log.keyframes().size() << " keyframes, " << counts.maps << " map(s), " << result.times.total
+            << " s\n";
+  if (counts.tracked == 0) {
+    throw std::runtime_error("no frame could be tracked; frames.csv tells why");
+  }
+}
+
+void run(const Arguments& a) {
+  mba_vo::OfflineOptions options;
+  if (!a.config_file.empty()) {
+    options.config = mba_vo::loadConfig(a.config_file);
+  }
+  mba_vo::finalize(options.config);
+  if (a.print_config) {
+    mba_vo::writeConfig(options.config, std::cout);
+    return;
+  }
+  if (a.sequence.empty() || a.output.empty()) {
+    throw std::runtime_error("SEQUENCE and --output are needed; see --help");
+  }
+  options.config.mapper.deterministic = a.deterministic;
+  options.exposure = exposureOverride(a);
+  options.skip = a.skip;
+  options.reference_delay_frames = a.reference_delay;
+  const auto reader = openSequence(a);
+  const mba_vo::OfflineResult result = [&] {
+    mba_vo::ProgressBar bar(std::cerr, reader->size(), isatty(STDERR_FILENO) == 1);
+    return mba_vo::runOffline(*reader, options, [&](std::size_t done) { bar.update(done); });
+  }();
+  mba_vo::writeRun(a.output, result, settingsOf(a));
+  printCounts(result);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Runs the motion-blur-aware odometry over a recorded sequence.", "mba_vo_offline");
+  Arguments arguments;
+  describe(app, arguments);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run(arguments);
+  } catch (const std::exception& error) {
+    std::cerr << "mba_vo_offline: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}
