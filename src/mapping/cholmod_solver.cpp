@@ -27,6 +27,7 @@ class CholmodSolver::Impl {
   explicit Impl(int block_size) : block_(block_size) {
     cholmod_start(&common_);
     common_.print = 0;
+    common_.final_ll = 1;  // L L^T: an indefinite matrix is refused
     common_.quick_return_if_not_posdef = 1;
   }
   ~Impl() {

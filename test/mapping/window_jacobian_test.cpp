@@ -1,0 +1,226 @@
+#include <cmath>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "mapping/planar_scene.h"
+#include "mba_vo/mapping/window_linearizer.h"
+#include "support/jacobian.h"
+#include "support/random.h"
+
+namespace mba_vo {
+namespace {
+
+/// I(x, y) = i + j x + k y + l x y: bilinear interpolation and its derivative are exact everywhere.
+std::shared_ptr<const ImagePyramid> bilinearImage(test::Random& random) {
+  const PinholeCamera camera = test::smallCamera();
+  const double j = random.uniform(-0.5, 0.5), k = random.uniform(-0.5, 0.5), l = random.uniform(-4e-3, 4e-3);
+  cv::Mat1f image(camera.height, camera.width);
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      image(y, x) = static_cast<float>(100.0 + j * (x - 160.0) + k * (y - 120.0) + l * (x - 160.0) * (y - 120.0));
+    }
+  }
+  return test::pyramidOf(image, camera);
+}
+
+WindowState randomState(test::Random& random, bool blurred) {
+  WindowState state;
+  for (int i = 0; i < 3; ++i) {
+    KeyframeState k;
+    k.id = static_cast<KeyframeId>(i);
+    k.sharp = bilinearImage(random);
+    k.original = bilinearImage(random);
+    if (blurred) k.xi = random.tangent(0.03, 0.03);
+    k.T_linear = random.pose(0.15, 0.1);
+    k.brightness_linear = {random.uniform(-0.2, 0.2), random.uniform(-10.0, 10.0)};
+    k.outlier_energy = 1e12;
+    state.keyframes.push_back(k);
+    state.prior.appendKeyframe();
+  }
+  for (int i = 0; i < 40; ++i) {
+    PointState point;
+    point.host = i % 3;
+    point.pixel = {random.uniform(60, 260), random.uniform(60, 180)};
+    point.inverse_depth = random.uniform(0.3, 1.0);
+    for (int t = 0; t < 3; ++t) {
+      PatchResidual residual;
+      residual.target = t;
+      if (t != point.host) point.residuals.push_back(residual);
+    }
+    state.points.push_back(point);
+  }
+  return state;
+}
+
+std::vector<int> allPoints(const WindowState& state) {
+  std::vector<int> all(state.points.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+/// Geometric Jacobians are those of the patch's centre, for all its pixels; with only the centre weighted they are
+/// exact.
+void keepCentre(PatchResidual& residual) {
+  residual.weight.fill(0.0F);
+  residual.weight[0] = 1.0F;
+}
+
+void keepCentres(WindowState& state) {
+  for (PointState& point : state.points) {
+    for (PatchResidual& residual : point.residuals) keepCentre(residual);
+  }
+}
+
+double cost(const WindowLinearizer& linearizer, WindowState state) {
+  LinearizedWindow system;
+  linearizer.linearize(state, allPoints(state), system);
+  double sum = 0.0;
+  for (const PointState& point : state.points) {
+    for (const PatchResidual& residual : point.residuals) {
+      if (!std::isnan(residual.trial_energy)) sum += static_cast<double>(residual.trial_energy);
+    }
+  }
+  return sum;
+}
+
+/// A step large enough for images in single precision, small enough for central differences.
+Vector8 stepSizes() {
+  Vector8 h;
+  h << Vector6::Constant(2e-3), 2e-3, 0.1;
+  return h;
+}
+
+/// A fixed number of samples, so that the cost is smooth.
+ResidualOptions smoothOptions() {
+  ResidualOptions options;
+  options.sample_spacing_px = 1e-3F;
+  options.max_samples = 16;
+  return options;
+}
+
+class WindowJacobian : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(SharpAndBlurred, WindowJacobian, ::testing::Bool());
+
+// The gradient holds the derivative for the states of hosts and targets alike, each residual with its own random value.
+TEST_P(WindowJacobian, GradientMatchesCentralDifferences) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    test::Random random(seed);
+    WindowState state = randomState(random, GetParam());
+    const WindowLinearizer linearizer(smoothOptions(), true);
+    linearizer.placePixels(state, 0.75F);
+    keepCentres(state);
+    LinearizedWindow system;
+    linearizer.linearize(state, allPoints(state), system);
+    for (int k = 0; k < 3; ++k) {
+      for (int i = 0; i < kKeyframeDim; ++i) {
+        double side[2];
+        for (int s = 0; s < 2; ++s) {
+          WindowState moved = state;
+          Vector8 step = Vector8::Zero();
+          step(i) = (s == 0 ? -1.0 : 1.0) * stepSizes()(i);
+          moved.keyframe(k).delta = step;
+          side[s] = cost(linearizer, moved);
+        }
+        const double numeric = (side[1] - side[0]) / (2.0 * stepSizes()(i));
+        const double scale = std::sqrt(system.H(kKeyframeDim * k + i, kKeyframeDim * k + i)) * 100.0;
+        EXPECT_NEAR(2.0 * system.b(kKeyframeDim * k + i), numeric, 5e-3 * (std::abs(numeric) + scale))
+            << "keyframe " << k << " state " << i << " seed " << seed;
+      }
+    }
+    for (int p = 0; p < 10; ++p) {
+      double side[2];
+      for (int s = 0; s < 2; ++s) {
+        WindowState moved = state;
+        moved.points[static_cast<std::size_t>(p)].inverse_depth += s == 0 ? -1e-2 : 1e-2;
+        side[s] = cost(linearizer, moved);
+      }
+      const double numeric = (side[1] - side[0]) / 2e-2;
+      const double scale = std::sqrt(system.H_depth(p)) * 10.0;
+      EXPECT_NEAR(2.0 * system.b_depth(p), numeric, 5e-3 * (std::abs(numeric) + scale)) << "point " << p;
+    }
+  }
+}
+
+// The Hessian against J^T J with J from numerical derivatives of the residual of the centre pixel.
+TEST_P(WindowJacobian, HessianIsTheProductOfJacobians) {
+  test::Random random(11);
+  const WindowState state = randomState(random, GetParam());
+  ResidualOptions options = smoothOptions();
+  options.huber_threshold = 1e6F;
+  PatchResidual residual;
+  const PairGeometry pair = makePairGeometry(state.keyframe(0), state.keyframe(1), true);
+  placePixels(pair, {190, 80}, 0.6, options, residual);
+  ASSERT_TRUE(residual.has_pixels);
+  keepCentre(residual);
+  PatchPath path;
+  PatchMoments moments;
+  const auto residualAt = [&](const Eigen::VectorXd& d) -> Eigen::VectorXd {
+    KeyframeState moved = state.keyframe(1);
+    moved.delta = d.head<8>();
+    const PairGeometry p = makePairGeometry(state.keyframe(0), moved, true);
+    EXPECT_TRUE(makeResidualPath(p, p.now, residual, 0.6 + d(8), path));
+    EXPECT_TRUE(evaluatePatch(p, path, residual, options, moments));
+    return Eigen::VectorXd::Constant(1, -static_cast<double>(moments.sums(5, 6)));  // J_b r = -r
+  };
+  const Eigen::MatrixXd J = test::numericJacobian(residualAt, 9, 5e-3);
+  ResidualSystem system;
+  ASSERT_TRUE(makeResidualPath(pair, pair.now, residual, 0.6, path));
+  ASSERT_TRUE(evaluatePatch(pair, path, residual, options, moments));
+  assembleSystem(moments, path, pair.blurred(), system);
+  Eigen::Matrix<double, 9, 9> H;
+  H << system.H, system.H_state_depth, system.H_state_depth.transpose(), system.H_depth;
+  const Eigen::Matrix<double, 9, 9> expected = J.transpose() * J;
+  const Eigen::Matrix<double, 9, 1> scale = expected.diagonal().cwiseSqrt().cwiseInverse();
+  EXPECT_LT((scale.asDiagonal() * (H - expected) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 5e-3);
+}
+
+// Jacobians at the first estimates: the reduced system does not feel a motion of the whole window or its scale there,
+// even though the residuals are taken elsewhere.
+TEST_P(WindowJacobian, ReducedSystemHasNoInformationAboutTheGauge) {
+  test::Random random(7);
+  WindowState state = randomState(random, GetParam());
+  for (int k = 0; k < 3; ++k) state.keyframe(k).delta.head<6>() = random.tangent(0.01, 0.01);
+  const WindowLinearizer linearizer(smoothOptions(), true);
+  linearizer.placePixels(state, 0.75F);
+  LinearizedWindow system;
+  linearizer.linearize(state, allPoints(state), system);
+  ReducedSystem reduced;
+  SchurComplement().reduce(system, 0.0, reduced);
+
+  Eigen::MatrixXd gauge = Eigen::MatrixXd::Zero(24, 7);
+  for (int k = 0; k < 3; ++k) {
+    const SE3& T = state.keyframe(k).T_linear;
+    gauge.block<6, 6>(8 * k, 0) = T.inverse().adjoint();
+    gauge.block<3, 1>(8 * k, 6) = T.rotation().inverse() * T.translation();
+  }
+  const double size = reduced.H.norm();
+  // The path of a blurred patch contains the target's motion in metres, which does not scale with the window.
+  const int directions = GetParam() ? 6 : 7;
+  for (int i = 0; i < directions; ++i) {
+    EXPECT_LT((reduced.H * gauge.col(i)).norm(), 1e-12 * size * gauge.col(i).norm()) << "direction " << i;
+  }
+}
+
+TEST(PhotometricResidual, PixelsOutsideOrInvalidAreNotUsed) {
+  test::Random random(1);
+  WindowState state = randomState(random, false);
+  state.keyframe(1).T_linear = state.keyframe(0).T_linear;
+  const PairGeometry pair = makePairGeometry(state.keyframe(0), state.keyframe(1), true);
+  PatchResidual residual;
+  placePixels(pair, {2, 100}, 0.5, ResidualOptions(), residual);
+  EXPECT_FALSE(residual.has_pixels);
+  placePixels(pair, {100, 100}, 0.5, ResidualOptions(), residual);
+  EXPECT_TRUE(residual.has_pixels);
+  EXPECT_EQ(residual.centre, Eigen::Vector2i(100, 100));
+
+  cv::Mat1f holed = state.keyframe(1).original->level(0).intensity.clone();
+  holed(102, 100) = std::nanf("");
+  state.keyframe(1).original = test::pyramidOf(holed, test::smallCamera());
+  const PairGeometry holed_pair = makePairGeometry(state.keyframe(0), state.keyframe(1), true);
+  placePixels(holed_pair, {100, 100}, 0.5, ResidualOptions(), residual);
+  EXPECT_FALSE(residual.has_pixels);
+}
+
+}  // namespace
+}  // namespace mba_vo
