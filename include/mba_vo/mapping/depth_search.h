@@ -72,18 +72,24 @@ class DepthSearcher {
     bool bounded;       // the end stems from a known upper bound of the inverse depth
   };
   struct Match {
-    double s = 0.0;  // distance on the line [px]
-    double energy = 0.0;
-    double second_energy = 0.0;  // best energy away from s; infinite if the range is too short for another place
-    double error = 0.0;          // [px]
+    double s = 0.0;       // distance on the line [px]
+    double energy = 0.0;  // infinite: nothing was found
+    double error = 0.0;   // standard error of s [px]
+  };
+  struct Scan {
+    Match best;
+    Match second;                    // best place away from the best one
+    bool second_is_minimum = false;  // or else only the flank of another one
   };
 
   bool isInside(const Eigen::Vector2d& pixel) const;
   bool chooseRange(const EpipolarLine& line, ImmaturePoint& point, Range& range) const;
   int segmentCount(const EpipolarLine& line, const Range& range) const;
-  bool scan(const ImmaturePoint& point, const EpipolarLine& line, const Range& range, Match& match) const;
+  Scan scan(const ImmaturePoint& point, const EpipolarLine& line, const Range& range) const;
   bool refine(const ImmaturePoint& point, const EpipolarLine& line, const Range& range, Match& match) const;
-  void narrow(const EpipolarLine& line, const Range& range, const Match& match, ImmaturePoint& point) const;
+  double qualityOf(const ImmaturePoint& point, const EpipolarLine& line, const Range& range, const Match& match,
+                   const Scan& scan) const;
+  bool narrow(const EpipolarLine& line, const Range& range, const Match& match, ImmaturePoint& point) const;
 
   const ImageLevel* host_;
   const ImageLevel* frame_;

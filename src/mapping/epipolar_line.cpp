@@ -1,0 +1,62 @@
+#include "mba_vo/mapping/epipolar_line.h"
+
+#include <limits>
+
+namespace mba_vo {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMinDepthRatio = 1e-2;  // rays further off the axis of the frame's camera are of no use
+constexpr double kMinParallax = 1e-9;    // [px m]
+
+Eigen::Matrix3d cameraMatrix(const PinholeCamera& c) {
+  Eigen::Matrix3d K;
+  K << c.fx, 0.0, c.cx, 0.0, c.fy, c.cy, 0.0, 0.0, 1.0;
+  return K;
+}
+
+Eigen::Matrix3d inverseCameraMatrix(const PinholeCamera& c) {
+  Eigen::Matrix3d K_inverse;
+  K_inverse << 1.0 / c.fx, 0.0, -c.cx / c.fx, 0.0, 1.0 / c.fy, -c.cy / c.fy, 0.0, 0.0, 1.0;
+  return K_inverse;
+}
+
+}  // namespace
+
+HostToFrame::HostToFrame(const PinholeCamera& host, const PinholeCamera& frame, const SE3& T_frame_host)
+    : H(cameraMatrix(frame) * T_frame_host.rotationMatrix() * inverseCameraMatrix(host)),
+      h(cameraMatrix(frame) * T_frame_host.translation()) {}
+
+EpipolarLine::EpipolarLine(const HostToFrame& transform, const Eigen::Vector2d& host_pixel)
+    : H_(transform.H), origin_(Eigen::Vector2d::Zero()), direction_(Eigen::Vector2d::UnitX()) {
+  const Eigen::Vector3d a = H_ * host_pixel.homogeneous();
+  infinity_z_ = a.z();
+  translation_z_ = transform.h.z();
+  if (infinity_z_ < kMinDepthRatio) return;
+  origin_ = a.head<2>() / a.z();
+  // p(w) = (a + w h) / (a_z + w h_z) = p(0) + w (h - p(0) h_z) / (a_z (1 + w h_z / a_z))
+  const Eigen::Vector2d along = (transform.h.head<2>() - origin_ * transform.h.z()) / infinity_z_;
+  k_ = along.norm();
+  q_ = translation_z_ / infinity_z_;
+  if (k_ < kMinParallax) return;
+  direction_ = along / k_;
+  valid_ = true;
+}
+
+double EpipolarLine::distanceOf(double inverse_depth) const {
+  const double scale = 1.0 + inverse_depth * q_;
+  return scale > 0.0 ? inverse_depth * k_ / scale : kInfinity;
+}
+
+double EpipolarLine::inverseDepthAt(double s) const {
+  const double remaining = k_ - s * q_;
+  return remaining > 0.0 ? s / remaining : kInfinity;
+}
+
+Eigen::Matrix2d EpipolarLine::warpAt(double inverse_depth) const {
+  const Eigen::Vector2d pixel = pixelAt(distanceOf(inverse_depth));
+  return (H_.topLeftCorner<2, 2>() - pixel * H_.bottomLeftCorner<1, 2>()) /
+         (infinity_z_ + inverse_depth * translation_z_);
+}
+
+}  // namespace mba_vo
