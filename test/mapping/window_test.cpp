@@ -18,7 +18,7 @@ constexpr KeyframeId kFrames = 5;
 /// Keyframes of the analytic scene: sharp, and blurred by integration over their exposure.
 struct Views {
   PinholeCamera camera = test::smallCamera();
-  PlanarScene scene = PlanarScene::corner();
+  PlanarScene scene = PlanarScene::corner(0.4);
   std::vector<SE3> truth;
   std::vector<Vector6> xi;
   std::vector<cv::Mat1f> sharp;
@@ -50,7 +50,7 @@ struct Disturbance {
   double scale = 1.0;  // and scaled
   double pose_noise = 1.0;
   double depth_noise = 0.05;
-  int step = 14;  // between points [px]
+  int step = 12;  // between points [px]
 };
 
 /// Keyframes with disturbed poses, and points on a grid with disturbed inverse depths, in all of them.
