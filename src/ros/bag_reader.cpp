@@ -39,12 +39,12 @@ class BagReader final : public SequenceReader {
       return std::nullopt;
     }
     try {
-      SequenceImage image = read(*next_);
+      const SequenceImage image = read(*next_);
       ++next_;
       return image;
-    } catch (const std::exception& error) {
-      throw std::runtime_error("bag '" + file_ + "', message " + std::to_string(sequence_) + " on " + topics_.image +
-                               ": " + error.what());
+    } catch (const rosbag::BagException& error) {
+      throw std::runtime_error("bag '" + file_ + "' is broken at image " + std::to_string(sequence_) + ": " +
+                               error.what());
     }
   }
 
@@ -76,23 +76,34 @@ class BagReader final : public SequenceReader {
 
   SequenceImage read(const rosbag::MessageInstance& message) {
     SequenceImage result;
-    std_msgs::Header header;
     if (const auto raw = message.instantiate<sensor_msgs::Image>()) {
-      header = raw->header;
-      result.image = toCvImage(raw)->image.clone();
+      describe(raw->header, result);
+      decode([&] { return toCvImage(raw)->image.clone(); }, result);
     } else if (const auto compressed = message.instantiate<sensor_msgs::CompressedImage>()) {
-      header = compressed->header;
-      result.image = cv_bridge::toCvCopy(compressed)->image;
+      describe(compressed->header, result);
+      decode([&] { return cv_bridge::toCvCopy(compressed)->image; }, result);
     }
-    if (result.image.empty()) {
-      throw std::runtime_error("not a readable image");
-    }
+    return result;
+  }
+
+  void describe(const std_msgs::Header& header, SequenceImage& result) {
     result.sequence = sequence_++;
     result.stamp_ns = toNanoseconds(header.stamp);
     const std::optional<double> exposure = exposures_.find(result.stamp_ns);
     result.exposure = exposure ? exposureFromMessage(*exposure) : std::nullopt;
     result.mid_exposure_ns = midExposure(result.stamp_ns, result.exposure, topics_.stamp_reference);
-    return result;
+  }
+
+  template <typename Decoder>
+  void decode(const Decoder& decoder, SequenceImage& result) const {
+    try {
+      result.image = decoder();
+    } catch (const std::exception& error) {
+      result.problem = error.what();
+    }
+    if (result.image.empty() && result.problem.empty()) {
+      result.problem = "not a readable image";
+    }
   }
 
   std::string file_;

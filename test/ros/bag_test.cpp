@@ -146,6 +146,19 @@ TEST_F(BagTest, ColourAndSixteenBitImagesAreAccepted) {
   EXPECT_EQ(reader->next()->image.at<std::uint16_t>(3, 3), 40000);
 }
 
+TEST_F(BagTest, AnImageThatCannotBeReadIsReportedAndTheNextOneFollows) {
+  BagImageWriter writer(file_, testCalibration(), StampReference::kMiddle);
+  writer.write(kStart, std::nullopt, cv::Mat1f(20, 32, 1.0F));
+  writer.write(kStart + kInterval, std::nullopt, testImage(0));
+  writer.close();
+  const auto reader = openBag(file_, {});
+  const auto broken = reader->next();
+  EXPECT_TRUE(broken->image.empty());
+  EXPECT_NE(broken->problem.find("32FC1"), std::string::npos) << broken->problem;
+  EXPECT_EQ(broken->stamp_ns, kStart);
+  EXPECT_EQ(reader->next()->sequence, 1U);
+}
+
 TEST_F(BagTest, SeveralImageTopicsAskForAName) {
   BagImageWriter writer(file_, testCalibration(), StampReference::kMiddle);
   writer.write(kStart, std::nullopt, testImage(0));

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace mba_vo {
+
+/// Queue between a callback and a worker thread, bounded in bytes. What is shed when it is full is chosen by the owner
+/// and handed back, so that it can be counted.
+template <typename Item>
+class BoundedQueue {
+ public:
+  using Size = std::function<std::size_t(const Item&)>;                      // [bytes]
+  using ChooseVictim = std::function<std::size_t(const std::deque<Item>&)>;  // index of the item to shed
+
+  BoundedQueue(std::size_t max_bytes, Size size, ChooseVictim choose_victim)
+      : max_bytes_(max_bytes), size_(std::move(size)), choose_victim_(std::move(choose_victim)) {}
+
+  /// Never blocks on the worker. Returns what had to be shed; the newest of all is always kept.
+  std::vector<Item> push(Item item) {
+    std::vector<Item> shed;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      bytes_ += size_(item);
+      items_.push_back(std::move(item));
+      while (bytes_ > max_bytes_ && items_.size() > 1) {
+        const auto victim = items_.begin() + static_cast<std::ptrdiff_t>(choose_victim_(items_));
+        bytes_ -= size_(*victim);
+        shed.push_back(std::move(*victim));
+        items_.erase(victim);
+      }
+    }
+    changed_.notify_one();
+    return shed;
+  }
+
+  /// Waits for the oldest item; nullopt once stopped.
+  std::optional<Item> pop() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [this] { return stopped_ || !items_.empty(); });
+    if (stopped_) {
+      return std::nullopt;
+    }
+    Item item = std::move(items_.front());
+    items_.pop_front();
+    bytes_ -= size_(item);
+    return item;
+  }
+
+  /// Ends every pop(), now and later.
+  void stop() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      stopped_ = true;
+    }
+    changed_.notify_all();
+  }
+
+  std::size_t bytes() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return bytes_;
+  }
+
+ private:
+  const std::size_t max_bytes_;
+  const Size size_;
+  const ChooseVictim choose_victim_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Item> items_;
+  std::size_t bytes_ = 0;
+  bool stopped_ = false;
+};
+
+}  // namespace mba_vo

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include <sensor_msgs/Image.h>
+
+#include "mba_vo/ros/exposure_lookup.h"
+
+namespace mba_vo {
+
+/// An image with its exposure, as it goes to the tracker's thread.
+struct InputImage {
+  sensor_msgs::ImageConstPtr message;
+  std::uint64_t sequence = 0;      // counts the images sent, those that never arrived included
+  std::optional<double> exposure;  // [s]; nullopt = unknown; not checked yet
+  bool exposure_from_topic = false;
+};
+
+struct ImageAssemblerOptions {
+  std::optional<double> fixed_exposure;  // [s]; overrides the topic
+  double exposure_wait = 0.1;            // [s]
+  double calibration_wait = 1.0;         // [s]
+  std::uint64_t first_sequence = 0;
+};
+
+/// Numbers the images, and joins them with their exposures by stamp. An image waits for its exposure no longer than the
+/// bound, and not at all once that of a later image has come; order is kept. Times `now` [s] come from a steady clock.
+class ImageAssembler {
+ public:
+  explicit ImageAssembler(const ImageAssemblerOptions& options)
+      : options_(options), next_sequence_(options.first_sequence) {}
+
+  /// Returns how many images never arrived before this one, by the sequence numbers of the sender.
+  std::uint64_t addImage(const sensor_msgs::ImageConstPtr& image, double now);
+  void addExposure(std::int64_t stamp_ns, double exposure);
+  /// Whether anybody sends exposures; without a sender images do not wait for them.
+  void expectExposures(bool expected) { exposures_expected_ = expected; }
+  /// Until the calibration is known, images wait for it.
+  void setCalibrated() { calibrated_ = true; }
+
+  /// Images that wait no longer, in order.
+  std::vector<InputImage> takeReady(double now);
+
+ private:
+  struct Waiting {
+    InputImage input;
+    double arrival;  // [s]
+  };
+  bool ready(const Waiting& waiting, double now) const;
+
+  ImageAssemblerOptions options_;
+  ExposureLookup exposures_;
+  std::deque<Waiting> waiting_;
+  bool exposures_expected_ = false;
+  bool calibrated_ = false;
+  std::uint64_t next_sequence_;
+  std::optional<std::uint32_t> last_sender_sequence_;
+};
+
+}  // namespace mba_vo

@@ -1,0 +1,64 @@
+#include "mba_vo/ros/image_assembler.h"
+
+#include "mba_vo/ros/conversions.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr std::uint32_t kLargestGap = 10'000;  // beyond: another sender, not a gap
+constexpr std::int64_t kExposureMemoryNs = 10'000'000'000;
+
+}  // namespace
+
+std::uint64_t ImageAssembler::addImage(const sensor_msgs::ImageConstPtr& image, double now) {
+  std::uint64_t missing = 0;
+  const std::uint32_t sender = image->header.seq;
+  // Senders that do not number their images repeat one number; those tell nothing.
+  if (last_sender_sequence_ && sender > *last_sender_sequence_ + 1 && sender - *last_sender_sequence_ < kLargestGap) {
+    missing = sender - *last_sender_sequence_ - 1;
+  }
+  last_sender_sequence_ = sender;
+  Waiting waiting;
+  waiting.input.message = image;
+  waiting.input.sequence = next_sequence_ + missing;
+  waiting.arrival = now;
+  next_sequence_ = waiting.input.sequence + 1;
+  waiting_.push_back(waiting);
+  return missing;
+}
+
+void ImageAssembler::addExposure(std::int64_t stamp_ns, double exposure) {
+  exposures_expected_ = true;
+  exposures_.add(stamp_ns, exposure);
+  exposures_.forgetBefore(stamp_ns - kExposureMemoryNs);
+}
+
+bool ImageAssembler::ready(const Waiting& waiting, double now) const {
+  const double waited = now - waiting.arrival;
+  if (!calibrated_ && waited < options_.calibration_wait) {
+    return false;
+  }
+  if (options_.fixed_exposure || !exposures_expected_ || waited >= options_.exposure_wait) {
+    return true;
+  }
+  const std::int64_t stamp = toNanoseconds(waiting.input.message->header.stamp);
+  return exposures_.find(stamp).has_value() || exposures_.hasLater(stamp);
+}
+
+std::vector<InputImage> ImageAssembler::takeReady(double now) {
+  std::vector<InputImage> ready_images;
+  while (!waiting_.empty() && ready(waiting_.front(), now)) {
+    InputImage input = waiting_.front().input;
+    waiting_.pop_front();
+    input.exposure = options_.fixed_exposure;
+    if (!input.exposure) {
+      const std::optional<double> found = exposures_.find(toNanoseconds(input.message->header.stamp));
+      input.exposure_from_topic = found.has_value();
+      input.exposure = found ? exposureFromMessage(*found) : std::nullopt;
+    }
+    ready_images.push_back(input);
+  }
+  return ready_images;
+}
+
+}  // namespace mba_vo

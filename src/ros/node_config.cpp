@@ -1,0 +1,118 @@
+#include "mba_vo/ros/node_config.h"
+
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include <XmlRpcValue.h>
+
+#include "mba_vo/odometry/config_yaml.h"
+
+namespace mba_vo {
+namespace {
+
+/// Sub-namespaces of nodes, not of options.
+const std::set<std::string>& foreignNamespaces() {
+  static const std::set<std::string> kNames = {"manager", "tracking", "mapping"};
+  return kNames;
+}
+
+/// Visitor that collects the names at the top of a described struct.
+struct KeyCollector {
+  std::set<std::string> keys;
+  template <typename Value, typename... Rest>
+  void operator()(const char* key, Value&, Rest...) {
+    keys.insert(key);
+  }
+  template <typename Nested>
+  void section(const char* key, Nested&) {
+    keys.insert(key);
+  }
+};
+
+std::set<std::string> knownKeys() {
+  NodeConfig config;
+  KeyCollector collector;
+  NodeConfig::describe(config, collector);
+  return collector.keys;
+}
+
+YAML::Node toYaml(XmlRpc::XmlRpcValue& value) {
+  switch (value.getType()) {
+    case XmlRpc::XmlRpcValue::TypeBoolean:
+      return YAML::Node(static_cast<bool>(value));
+    case XmlRpc::XmlRpcValue::TypeInt:
+      return YAML::Node(static_cast<int>(value));
+    case XmlRpc::XmlRpcValue::TypeDouble:
+      return YAML::Node(static_cast<double>(value));
+    case XmlRpc::XmlRpcValue::TypeString:
+      return YAML::Node(static_cast<std::string>(value));
+    case XmlRpc::XmlRpcValue::TypeArray: {
+      YAML::Node list(YAML::NodeType::Sequence);
+      for (int i = 0; i < value.size(); ++i) {
+        list.push_back(toYaml(value[i]));
+      }
+      return list;
+    }
+    case XmlRpc::XmlRpcValue::TypeStruct: {
+      YAML::Node map(YAML::NodeType::Map);
+      for (auto& entry : value) {
+        map[entry.first] = toYaml(entry.second);
+      }
+      return map;
+    }
+    default:
+      return YAML::Node();
+  }
+}
+
+}  // namespace
+
+std::optional<double> NodeConfig::fixedExposure() const {
+  if (exposure_time == "auto") {
+    return std::nullopt;
+  }
+  double value = 0.0;
+  std::size_t used = 0;
+  try {
+    value = std::stod(exposure_time, &used);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  const bool number = used > 0 && used == exposure_time.size();
+  if (number && std::isnan(value)) {
+    return std::nullopt;
+  }
+  if (!number || value < 0.0 || value > 10.0) {
+    throw std::invalid_argument("exposure_time is '" + exposure_time +
+                                "'; allowed: auto, nan, or seconds from 0 (instantaneous) to 10");
+  }
+  return value;
+}
+
+NodeConfig parseNodeConfig(const YAML::Node& parameters) {
+  NodeConfig config;
+  readConfig(parameters, config);
+  finalize(config.odometry);
+  config.stampReference();
+  config.fixedExposure();
+  return config;
+}
+
+YAML::Node readParameters(const ros::NodeHandle& nh) {
+  YAML::Node parameters(YAML::NodeType::Map);
+  XmlRpc::XmlRpcValue tree;
+  if (!nh.getParam(nh.getNamespace(), tree) || tree.getType() != XmlRpc::XmlRpcValue::TypeStruct) {
+    return parameters;
+  }
+  const bool global = nh.getNamespace().empty() || nh.getNamespace() == "/";
+  const std::set<std::string> known = knownKeys();
+  for (auto& entry : tree) {
+    if (global ? known.count(entry.first) > 0 : foreignNamespaces().count(entry.first) == 0) {
+      parameters[entry.first] = toYaml(entry.second);
+    }
+  }
+  return parameters;
+}
+
+}  // namespace mba_vo

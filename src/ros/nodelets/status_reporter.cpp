@@ -1,0 +1,93 @@
+#include "status_reporter.h"
+
+#include "mba_vo/ros/conversions.h"
+#include "mba_vo/ros/status_conversion.h"
+
+namespace mba_vo {
+
+StatusReporter::StatusReporter(ros::NodeHandle& nh) : publisher_(nh.advertise<Status>("status", 100, true)) {
+  status_.exposure_source = "unknown";
+  publishLocked("no image yet");
+}
+
+void StatusReporter::imageReceived(std::uint64_t missing_before) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++status_.frames_in;
+  status_.frames_missing += missing_before;
+}
+
+void StatusReporter::imageShed(std::int64_t stamp_ns) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++status_.frames_shed;
+  status_.header.stamp = toRosTime(stamp_ns);
+  publishLocked("image shed: the tracker does not keep up with the camera");
+}
+
+void StatusReporter::imageRejected(std::int64_t stamp_ns, const std::string& reason) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++status_.frames_rejected;
+  status_.header.stamp = toRosTime(stamp_ns);
+  publishLocked("image rejected: " + reason);
+}
+
+void StatusReporter::imageTracked(const TrackedFrame& tracked, const std::string& exposure_source) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::uint8_t previous = status_.state;
+  status_.state = toState(tracked.status);
+  status_.header.stamp = toRosTime(tracked.frame->stamp_ns);
+  status_.reason = tracked.reason;
+  status_.tracking_ms = tracked.tracking_ms;
+  status_.exposure_source = exposure_source;
+  switch (tracked.status) {
+    case TrackingStatus::kTracking:
+      ++status_.frames_tracked;
+      break;
+    case TrackingStatus::kDegraded:
+      ++status_.frames_degraded;
+      break;
+    case TrackingStatus::kLost:
+      ++status_.frames_lost;
+      break;
+    default:
+      ++status_.frames_initializing;
+  }
+  if (!tracked.tracked() || status_.state != previous) {
+    publishLocked(status_.reason);
+  }
+}
+
+void StatusReporter::referenceAdopted(const ReferenceId& id, const MapperStatus& mapper) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status_.map_id = id.map_id;
+  status_.keyframe_id = id.keyframe_id;
+  status_.mapper = mapper;
+}
+
+void StatusReporter::referenceStale() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++status_.references_stale;
+}
+
+void StatusReporter::wasReset() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++status_.resets;
+  status_.state = Status::WAITING;
+  status_.map_id = 0;
+  status_.keyframe_id = 0;
+  status_.reason = "reset";
+  publishLocked(status_.reason);
+}
+
+void StatusReporter::publish(const std::string& waiting_for, std::size_t queue_bytes) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status_.queue_bytes = queue_bytes;
+  publishLocked(waiting_for.empty() ? status_.reason : waiting_for);
+}
+
+void StatusReporter::publishLocked(const std::string& reason) {
+  Status message = status_;
+  message.reason = reason;
+  publisher_.publish(message);
+}
+
+}  // namespace mba_vo

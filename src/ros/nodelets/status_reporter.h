@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <string>
+
+#include <mba_vo/MapperStatus.h>
+#include <mba_vo/Status.h>
+#include <ros/node_handle.h>
+
+#include "mba_vo/tracking/tracked_frame.h"
+
+namespace mba_vo {
+
+/// Counts what happens to every image and tells it on the latched topic `status`. Thread-safe.
+class StatusReporter {
+ public:
+  explicit StatusReporter(ros::NodeHandle& nh);
+
+  void imageReceived(std::uint64_t missing_before);
+  /// Every image that was received ends in exactly one of these three.
+  void imageShed(std::int64_t stamp_ns);
+  void imageRejected(std::int64_t stamp_ns, const std::string& reason);
+  void imageTracked(const TrackedFrame& tracked, const std::string& exposure_source);
+
+  void referenceAdopted(const ReferenceId& id, const MapperStatus& mapper);
+  void referenceStale();
+  void wasReset();
+  /// Publishes the present state; `waiting_for`: what is missing at the input, empty = nothing.
+  void publish(const std::string& waiting_for, std::size_t queue_bytes);
+
+ private:
+  void publishLocked(const std::string& reason);
+
+  std::mutex mutex_;
+  Status status_;
+  ros::Publisher publisher_;
+};
+
+}  // namespace mba_vo

@@ -1,0 +1,225 @@
+#include "tracker_worker.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include <ros/ros.h>
+#include <boost/make_shared.hpp>
+
+#include "extrinsic.h"
+#include "mba_vo/io/photometric_files.h"
+#include "mba_vo/ros/image_conversion.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr double kBytesPerMegabyte = 1e6;
+constexpr double kWarnPeriod = 5.0;  // [s]
+
+std::size_t bytesOf(const std::optional<InputImage>& job) { return job ? job->message->data.size() : 0; }
+
+/// The image whose neighbours are closest in time: images are thinned out evenly, so that the camera moves as little as
+/// possible between those that remain. Neither the oldest nor the newest, if there are others.
+std::size_t mostDispensable(const std::deque<std::optional<InputImage>>& jobs) {
+  std::vector<std::size_t> images;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    if (jobs[i]) {
+      images.push_back(i);
+    }
+  }
+  std::size_t best = images.front();
+  double closest = std::numeric_limits<double>::max();
+  for (std::size_t k = 1; k + 1 < images.size(); ++k) {
+    const ros::Time before = jobs[images[k - 1]]->message->header.stamp;
+    const ros::Time after = jobs[images[k + 1]]->message->header.stamp;
+    const double distance = after.toSec() - before.toSec();
+    if (distance < closest) {
+      closest = distance;
+      best = images[k];
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+TrackerWorker::TrackerWorker(ros::NodeHandle& nh, const NodeConfig& config, CalibrationStore& calibration,
+                             StatusReporter& status)
+    : config_(config),
+      calibration_(calibration),
+      status_(status),
+      photometric_(
+          loadPhotometricCalibration(config.odometry.image.response_file, config.odometry.image.vignette_file)),
+      stamp_reference_(config.stampReference()),
+      tracked_frames_(nh.advertise<TrackedFrameMessage>("tracked_frame", 1000)),
+      motions_(nh, config.frames, config.publish_tf),
+      queue_(static_cast<std::size_t>(kBytesPerMegabyte * config.image_queue_mb), bytesOf, mostDispensable),
+      loop_(config.odometry) {
+  beginSession(true);
+  thread_ = std::thread([this] { run(); });
+}
+
+TrackerWorker::~TrackerWorker() {
+  queue_.stop();
+  thread_.join();
+}
+
+void TrackerWorker::addImage(const InputImage& image) {
+  for (const Job& shed : queue_.push(image)) {
+    ROS_WARN_THROTTLE(kWarnPeriod, "images are shed: the tracker does not keep up with the camera");
+    status_.imageShed(toNanoseconds(shed->message->header.stamp));
+  }
+}
+
+void TrackerWorker::addReference(const ReferenceMessageConstPtr& reference) {
+  const std::lock_guard<std::mutex> lock(references_mutex_);
+  references_.push_back(reference);
+}
+
+void TrackerWorker::reset() { queue_.push(std::nullopt); }
+
+void TrackerWorker::run() {
+  while (const std::optional<Job> job = queue_.pop()) {
+    if (*job) {
+      process(**job);
+    } else {
+      beginSession(false);
+    }
+  }
+}
+
+void TrackerWorker::beginSession(bool keep_map) {
+  session_ = std::max(session_ + 1, ros::WallTime::now().toNSec());  // differs from that of any tracker before
+  keep_map_ = keep_map;
+  next_number_ = 0;
+  last_measured_ns_ = 0;
+  guard_.reset();
+  if (!keep_map) {
+    loop_.reset();
+    status_.wasReset();
+    ROS_INFO("tracker was reset: a new map begins");
+  }
+}
+
+void TrackerWorker::process(const InputImage& image) {
+  const FrameConstPtr frame = makeFrame(image);
+  if (!frame) {
+    return;
+  }
+  if (!T_base_camera_ || camera_frame_ != image.message->header.frame_id) {
+    camera_frame_ = image.message->header.frame_id;
+    T_base_camera_ = lookupExtrinsic(config_.frames.base_frame, camera_frame_, config_.extrinsic_wait);
+  }
+  adoptReferences();
+  const TrackedFrameConstPtr tracked = loop_.process(frame);
+  forward(tracked, loop_.reference() != nullptr);
+  if (tracked->tracked()) {
+    publishMotion(tracked);
+  }
+  status_.imageTracked(*tracked, exposureSource(image, *frame));
+}
+
+FrameConstPtr TrackerWorker::makeFrame(const InputImage& image) {
+  const std::int64_t stamp_ns = toNanoseconds(image.message->header.stamp);
+  const auto reject = [&](const std::string& reason) {
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriod, "image " << image.sequence << " rejected: " << reason);
+    status_.imageRejected(stamp_ns, reason);
+    return nullptr;
+  };
+  if (stamp_ns == 0) {
+    return reject("its stamp is zero");
+  }
+  InputVerdict verdict = guard_.check(stamp_ns, image.exposure);
+  if (verdict.clock_restarted) {
+    ROS_WARN_STREAM(verdict.reason << ": taken for a new start");
+    beginSession(false);
+    verdict = guard_.check(stamp_ns, image.exposure);
+  }
+  if (!verdict.accepted) {
+    return reject(verdict.reason);
+  }
+  if (!verdict.reason.empty()) {
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriod, "image " << image.sequence << ": " << verdict.reason);
+  }
+  try {
+    updateFrameBuilder();
+    const cv_bridge::CvImageConstPtr pixels = toCvImage(image.message);
+    return builder_->build(pixels->image, image.sequence, stamp_ns,
+                           midExposure(stamp_ns, verdict.exposure, stamp_reference_), verdict.exposure);
+  } catch (const std::invalid_argument& error) {
+    return reject(error.what());
+  }
+}
+
+void TrackerWorker::updateFrameBuilder() {
+  const std::shared_ptr<const CameraCalibration> calibration = calibration_.get();
+  if (!calibration) {
+    throw std::invalid_argument(calibration_.problem());
+  }
+  if (calibration == built_for_) {
+    return;
+  }
+  builder_ = std::make_unique<FrameBuilder>(*calibration, photometric_, config_.odometry.image);
+  if (std::exchange(built_for_, calibration)) {
+    ROS_WARN("the calibration has changed");
+    beginSession(false);
+  }
+}
+
+void TrackerWorker::adoptReferences() {
+  std::vector<ReferenceMessageConstPtr> references;
+  {
+    const std::lock_guard<std::mutex> lock(references_mutex_);
+    references.swap(references_);
+  }
+  for (const ReferenceMessageConstPtr& message : references) {
+    if (message->summary.session != session_) {
+      status_.referenceStale();
+      continue;
+    }
+    for (const TrackedFrameConstPtr& late : loop_.adopt(message->reference)) {
+      forward(late, true);
+    }
+    if (loop_.reference() == message->reference) {
+      status_.referenceAdopted(message->reference->id, message->summary.status);
+    } else {
+      status_.referenceStale();
+    }
+  }
+}
+
+void TrackerWorker::forward(const TrackedFrameConstPtr& tracked, bool has_reference) {
+  const auto message = boost::make_shared<TrackedFrameMessage>();
+  message->summary = summarize(*tracked, camera_frame_, has_reference);
+  message->summary.session = session_;
+  message->summary.keep_map = keep_map_;
+  message->summary.number = next_number_++;
+  message->tracked = tracked;
+  message->T_base_camera = *T_base_camera_;
+  tracked_frames_.publish(TrackedFrameMessageConstPtr(message));
+}
+
+void TrackerWorker::publishMotion(const TrackedFrameConstPtr& tracked) {
+  MeasuredMotion motion;
+  motion.tracked = tracked;
+  motion.T_odom_camera = loop_.T_odom_camera();
+  motion.T_map_odom = loop_.T_map_odom();
+  motion.T_base_camera = *T_base_camera_;
+  motion.camera_frame = camera_frame_;
+  const std::int64_t mid_ns = tracked->frame->mid_exposure_ns;
+  if (last_measured_ns_ != 0) {
+    motion.seconds_since_previous = 1e-9 * static_cast<double>(mid_ns - last_measured_ns_);
+  }
+  last_measured_ns_ = mid_ns;
+  motions_.publish(motion);
+}
+
+std::string TrackerWorker::exposureSource(const InputImage& image, const Frame& frame) const {
+  if (!frame.exposure) {
+    return "unknown";
+  }
+  return image.exposure_from_topic ? "topic" : "parameter";
+}
+
+}  // namespace mba_vo

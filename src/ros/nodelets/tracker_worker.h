@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "calibration_store.h"
+#include "mba_vo/odometry/input_guard.h"
+#include "mba_vo/odometry/tracking_loop.h"
+#include "mba_vo/ros/bounded_queue.h"
+#include "mba_vo/ros/image_assembler.h"
+#include "mba_vo/ros/intra_process_messages.h"
+#include "motion_publisher.h"
+#include "status_reporter.h"
+
+namespace mba_vo {
+
+/// The tracker's own thread: takes images from a bounded queue, tracks them against the newest reference, publishes.
+/// All public functions return at once and may be called from any thread.
+class TrackerWorker {
+ public:
+  TrackerWorker(ros::NodeHandle& nh, const NodeConfig& config, CalibrationStore& calibration, StatusReporter& status);
+  ~TrackerWorker();
+
+  void addImage(const InputImage& image);
+  void addReference(const ReferenceMessageConstPtr& reference);
+  void reset();
+  std::size_t queueBytes() const { return queue_.bytes(); }
+
+ private:
+  using Job = std::optional<InputImage>;  // nullopt: reset
+
+  void run();
+  void beginSession(bool keep_map);
+  void process(const InputImage& image);
+  /// Null if the image is of no use; the status then says why.
+  FrameConstPtr makeFrame(const InputImage& image);
+  void updateFrameBuilder();
+  void adoptReferences();
+  void forward(const TrackedFrameConstPtr& tracked, bool has_reference);
+  void publishMotion(const TrackedFrameConstPtr& tracked);
+  std::string exposureSource(const InputImage& image, const Frame& frame) const;
+
+  const NodeConfig config_;
+  CalibrationStore& calibration_;
+  StatusReporter& status_;
+  const PhotometricCalibration photometric_;
+  const StampReference stamp_reference_;
+  ros::Publisher tracked_frames_;
+  MotionPublisher motions_;
+
+  BoundedQueue<Job> queue_;
+  std::mutex references_mutex_;
+  std::vector<ReferenceMessageConstPtr> references_;  // arrived, not adopted yet
+
+  // Of the thread alone from here on.
+  InputGuard guard_;
+  TrackingLoop loop_;
+  std::shared_ptr<const CameraCalibration> built_for_;
+  std::unique_ptr<FrameBuilder> builder_;
+  std::optional<SE3> T_base_camera_;
+  std::string camera_frame_;
+  std::uint64_t session_ = 0;
+  bool keep_map_ = true;
+  std::uint64_t next_number_ = 0;
+  std::int64_t last_measured_ns_ = 0;  // mid-exposure; 0 = none
+
+  std::thread thread_;
+};
+
+}  // namespace mba_vo
