@@ -10,3 +10,25 @@ endfunction()
 
 mba_vo_tool(mba_vo_evaluate mba_vo_evaluation)
 mba_vo_tool(mba_vo_offline mba_vo_io)
+
+# A program called with these arguments must say what matches the regular expression.
+function(mba_vo_tool_test name program expected)
+  if(MBA_VO_TESTS AND TARGET ${program})
+    add_test(NAME ${name} COMMAND ${program} ${ARGN})
+    set_tests_properties(${name} PROPERTIES PASS_REGULAR_EXPRESSION "${expected}" TIMEOUT 120)
+  endif()
+endfunction()
+
+mba_vo_tool_test(evaluate_missing_file mba_vo_evaluate "/nonexistent.txt: cannot be read"
+  --groundtruth /nonexistent.txt --estimate /nonexistent.txt)
+mba_vo_tool_test(evaluate_wrong_alignment mba_vo_evaluate "--alignment: Check affine"
+  --groundtruth a --estimate b --alignment affine)
+mba_vo_tool_test(offline_without_sequence mba_vo_offline "SEQUENCE and --output are needed")
+mba_vo_tool_test(offline_missing_sequence mba_vo_offline "/nonexistent: no such sequence" /nonexistent --output out)
+mba_vo_tool_test(offline_missing_config mba_vo_offline "/nonexistent.yaml: cannot be read"
+  --config /nonexistent.yaml --print-config)
+mba_vo_tool_test(offline_wrong_exposure mba_vo_offline "exposure '-1': must be auto or 0 to 10 seconds"
+  ${CMAKE_CURRENT_SOURCE_DIR} --output out --exposure=-1)
+mba_vo_tool_test(offline_no_sequence_folder mba_vo_offline "images: no such folder"
+  ${CMAKE_CURRENT_SOURCE_DIR} --output out)
+mba_vo_tool_test(offline_prints_config mba_vo_offline "max_points: [0-9]+  # patches aligned" --print-config)

@@ -1,0 +1,123 @@
+#include "mba_vo/io/run_log.h"
+
+#include <memory>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace mba_vo {
+namespace {
+
+using testing::HasSubstr;
+
+FrameConstPtr frameNumber(std::uint64_t sequence) {
+  auto frame = std::make_shared<Frame>();
+  frame->sequence = sequence;
+  frame->mid_exposure_ns = static_cast<std::int64_t>(sequence) * 30000000;
+  return frame;
+}
+
+TrackedFrameConstPtr tracked(std::uint64_t sequence, TrackingStatus status, const std::string& reason = "") {
+  auto result = std::make_shared<TrackedFrame>();
+  result->frame = frameNumber(sequence);
+  result->status = status;
+  result->reason = reason;
+  result->points_used = 400;
+  result->blur_length_px = 7.0;
+  result->tracking_ms = 5.0;
+  return result;
+}
+
+TrajectoryEntry pose(std::uint64_t sequence, MapId map) {
+  TrajectoryEntry entry;
+  entry.frame_sequence = sequence;
+  entry.map_id = map;
+  return entry;
+}
+
+/// Frames 0..4: initialising, initialising, tracked, lost, tracked.
+RunLog fiveFrames() {
+  RunLog log;
+  log.add({tracked(0, TrackingStatus::kInitializing, "no map"), {}, {}, 1.0}, "");
+  log.add({tracked(1, TrackingStatus::kInitializing, "no map"), {}, {}, 1.0}, "");
+  log.add({tracked(2, TrackingStatus::kTracking), {}, {}, 1.0}, "exposure odd");
+  log.add({tracked(3, TrackingStatus::kLost, "too few points"), {}, {}, 1.0}, "");
+  log.add({tracked(4, TrackingStatus::kDegraded, "few points"), {}, {}, 1.0}, "");
+  return log;
+}
+
+TEST(RunLog, FinalStatusFollowsTheFinalTrajectory) {
+  RunLog log = fiveFrames();
+  log.settle({pose(1, 1), pose(2, 1), pose(4, 1)});
+  const auto& frames = log.frames();
+  ASSERT_EQ(frames.size(), 5U);
+  EXPECT_EQ(frames[0].status, "INITIALIZING");
+  EXPECT_EQ(frames[0].reason, "no map");
+  EXPECT_FALSE(frames[0].hasPose());
+  EXPECT_FALSE(frames[0].blur_length_px.has_value());
+  EXPECT_EQ(frames[1].status, "TRACKING");
+  EXPECT_EQ(frames[1].reason, "tracked backwards after initialisation");
+  EXPECT_EQ(frames[1].map, 1U);
+  EXPECT_EQ(frames[2].status, "TRACKING");
+  EXPECT_EQ(frames[2].reason, "exposure odd");
+  EXPECT_EQ(frames[2].points_used, 400);
+  EXPECT_EQ(frames[3].status, "LOST");
+  EXPECT_EQ(frames[4].status, "DEGRADED");
+  const FrameCounts counts = countFrames(frames);
+  EXPECT_EQ(counts.frames, 5U);
+  EXPECT_EQ(counts.tracked, 3U);
+  EXPECT_EQ(counts.dropped, 2U);
+  EXPECT_EQ(counts.dropped_after_initialization, 1U);
+  EXPECT_EQ(counts.maps, 1U);
+}
+
+TEST(RunLog, PoseGivenUpByTheMapperCountsAsLost) {
+  RunLog log = fiveFrames();
+  log.settle({pose(2, 1)});
+  EXPECT_EQ(log.frames()[4].status, "LOST");
+  EXPECT_THAT(log.frames()[4].reason, HasSubstr("was DEGRADED"));
+  EXPECT_EQ(countFrames(log.frames()).dropped_after_initialization, 2U);
+}
+
+TEST(RunLog, NothingTrackedIsAllDropped) {
+  RunLog log = fiveFrames();
+  log.settle({});
+  const FrameCounts counts = countFrames(log.frames());
+  EXPECT_EQ(counts.tracked, 0U);
+  EXPECT_EQ(counts.dropped, 5U);
+  EXPECT_EQ(counts.dropped_after_initialization, 0U);
+}
+
+TEST(RunLog, LateResultsReplaceTheFirstOnes) {
+  RunLog log;
+  log.add({tracked(0, TrackingStatus::kInitializing, "no map"), {}, {}, 1.0}, "");
+  log.add({tracked(1, TrackingStatus::kTracking), {}, {tracked(0, TrackingStatus::kTracking)}, 1.0}, "");
+  log.settle({pose(0, 1), pose(1, 1)});
+  ASSERT_EQ(log.frames().size(), 2U);
+  EXPECT_EQ(log.frames()[0].status, "TRACKING");
+  EXPECT_EQ(log.frames()[0].reason, "had to wait for the first reference");
+  EXPECT_EQ(log.frames()[0].blur_length_px, 7.0);
+  EXPECT_DOUBLE_EQ(log.frames()[0].tracking_ms, 10.0);
+}
+
+TEST(RunLog, KeepsMessagesKeyframesAndRejectedImages) {
+  MapperOutput first;
+  first.message = "first";
+  first.keyframe = KeyframeReport{};
+  MapperOutput second;
+  second.message = "second";
+  RunLog log;
+  log.add({tracked(0, TrackingStatus::kTracking), {first, second}, {}, 1.0}, "");
+  SequenceImage image;
+  image.sequence = 1;
+  log.addRejected(image, "stamp repeats");
+  log.settle({pose(0, 1)});
+  EXPECT_EQ(log.keyframes().size(), 1U);
+  EXPECT_EQ(log.frames()[0].message, "first; second");
+  EXPECT_EQ(log.frames()[1].status, "REJECTED");
+  EXPECT_EQ(log.frames()[1].reason, "stamp repeats");
+  EXPECT_EQ(countFrames(log.frames()).rejected, 1U);
+}
+
+}  // namespace
+}  // namespace mba_vo

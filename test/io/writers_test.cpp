@@ -1,0 +1,136 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include "io/temporary_folder.h"
+#include "mba_vo/io/progress_bar.h"
+#include "mba_vo/io/run_writer.h"
+#include "mba_vo/io/trajectory_writer.h"
+
+namespace mba_vo {
+namespace {
+
+using testing::HasSubstr;
+
+TrajectoryEntry entryAt(std::int64_t mid_exposure_ns, MapId map) {
+  TrajectoryEntry entry;
+  entry.mid_exposure_ns = mid_exposure_ns;
+  entry.map_id = map;
+  entry.trajectory.T_reference_mid = SE3(Eigen::Quaterniond(0.8, 0.0, 0.6, 0.0), {1.0, -2.0, 0.123456789});
+  entry.trajectory.velocity << 1.0, 0.0, 0.0, 0.0, 0.0, 0.0;  // along x of the camera
+  entry.trajectory.exposure = 0.02;
+  return entry;
+}
+
+std::string trajectoryOf(const std::vector<TrajectoryEntry>& entries) {
+  std::ostringstream text;
+  writeTrajectory(entries, text);
+  return text.str();
+}
+
+TEST(TrajectoryWriter, WritesTumLinesWithNineDecimals) {
+  EXPECT_THAT(trajectoryOf({entryAt(1305031453359684123, 1)}),
+              HasSubstr("\n1305031453.359684123 1.000000000 -2.000000000 0.123456789 "
+                        "0.000000000 0.600000000 0.000000000 0.800000000\n"));
+}
+
+TEST(TrajectoryWriter, SaysWhichMapAPoseBelongsTo) {
+  const std::string text = trajectoryOf({entryAt(10, 1), entryAt(20, 1), entryAt(30, 4)});
+  EXPECT_THAT(text, testing::ContainsRegex("# map 1\n0.000000010 .*\n0.000000020 .*\n# map 4\n0.000000030 "));
+}
+
+TEST(TrajectoryWriter, WritesStartAndEndOfTheExposure) {
+  std::ostringstream text;
+  writeExposureTrajectory({entryAt(5000000000, 1)}, text);
+  // The camera's x axis is (0.28, 0, -0.96) in the map; half the motion is 0.01 m.
+  EXPECT_THAT(text.str(),
+              HasSubstr("\n5.000000000 0.020000000 "
+                        "0.997200000 -2.000000000 0.133056789 0.000000000 0.600000000 0.000000000 0.800000000 "
+                        "1.002800000 -2.000000000 0.113856789 0.000000000 0.600000000 0.000000000 0.800000000\n"));
+}
+
+TEST(TrajectoryWriter, SecondsAreExact) {
+  EXPECT_EQ(formatSeconds(0), "0.000000000");
+  EXPECT_EQ(formatSeconds(1305031453000000001), "1305031453.000000001");
+  EXPECT_EQ(formatSeconds(-1500000000), "-1.500000000");
+  EXPECT_EQ(formatSeconds(-5), "-0.000000005");
+}
+
+TEST(RunWriter, FramesCsvHasARowPerFrameAndEmptyFieldsForTheUnknown) {
+  FrameRecord lost;
+  lost.sequence = 7;
+  lost.mid_exposure_ns = 1500000000;
+  lost.stamp_ns = 1490000000;
+  lost.status = "LOST";
+  lost.reason = "a \"reason\", with comma";
+  FrameRecord good = lost;
+  good.status = "TRACKING";
+  good.reason = "";
+  good.exposure = 0.02;
+  good.map = 2;
+  good.blur_length_px = 12.345;
+  good.points_used = 400;
+  good.residual_rms = 3.25;
+  good.tracking_ms = 6.5;
+  std::ostringstream text;
+  writeFrames({lost, good}, text);
+  EXPECT_EQ(text.str(),
+            "sequence,time,stamp,exposure,status,reason,map,blur_px,points,residual,tracking_ms,mapping_ms,message\n"
+            "7,1.500000000,1.490000000,,LOST,\"a \"\"reason\"\", with comma\",,,,,0.000,0.000,\"\"\n"
+            "7,1.500000000,1.490000000,0.020000,TRACKING,\"\",2,12.35,400,3.250,6.500,0.000,\"\"\n");
+}
+
+TEST(RunWriter, KeyframesCsvHasARowPerKeyframe) {
+  KeyframeReport report;
+  report.keyframe_id = 3;
+  report.total_ms = 12.5;
+  std::ostringstream text;
+  writeKeyframes({report, report}, text);
+  EXPECT_THAT(text.str(), HasSubstr("keyframe,sequence,time,"));
+  EXPECT_THAT(text.str(), testing::ContainsRegex("\n3,0,0.000000000,.*,12.500\n3,"));
+}
+
+TEST(RunWriter, WritesAllFilesAndAReadableSummary) {
+  const TemporaryFolder folder;
+  OfflineResult result;
+  result.trajectory = {entryAt(10, 1)};
+  result.times.tracking = 2.0;
+  SequenceImage rejected;
+  rejected.sequence = 9;
+  result.log.addRejected(rejected, "stamp repeats");
+  result.log.settle(result.trajectory);
+  writeRun(folder.file("new/run"), result, {{"sequence", "C:\\my \"room\""}});
+  for (const char* name : {"trajectory.txt", "exposure_trajectory.txt", "frames.csv", "keyframes.csv"}) {
+    EXPECT_NE(folder.read(std::string("new/run/") + name), "") << name;
+  }
+  const YAML::Node summary = YAML::LoadFile(folder.file("new/run/summary.yaml"));
+  EXPECT_EQ(summary["sequence"].as<std::string>(), "C:\\my \"room\"");
+  EXPECT_EQ(summary["frames"].as<int>(), 1);
+  EXPECT_EQ(summary["rejected"].as<int>(), 1);
+  EXPECT_DOUBLE_EQ(summary["times"]["tracking"]["per_frame_ms"].as<double>(), 2000.0);
+  EXPECT_GT(summary["peak_memory_mb"].as<double>(), 1.0);
+}
+
+TEST(RunWriter, PlacesThatCannotBeWrittenAreNamed) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("file", "");
+  EXPECT_THAT(messageOf([&] { writeRun(file + "/run", {}, {}); }), HasSubstr(file + "/run: cannot be made"));
+  std::filesystem::create_directories(folder.file("run/frames.csv"));
+  EXPECT_THAT(messageOf([&] { writeRun(folder.file("run"), {}, {}); }), HasSubstr("frames.csv: cannot be written"));
+}
+
+TEST(ProgressBar, DrawsOnlyWhenEnabled) {
+  std::ostringstream off;
+  std::ostringstream on;
+  for (auto* out : {&off, &on}) {
+    ProgressBar bar(*out, 2, out == &on);
+    bar.update(1);
+    bar.update(2);
+  }
+  EXPECT_EQ(off.str(), "");
+  EXPECT_THAT(on.str(), HasSubstr("1/2"));
+  EXPECT_THAT(on.str(), HasSubstr("2/2"));
+}
+
+}  // namespace
+}  // namespace mba_vo
