@@ -12,10 +12,6 @@ const PatchPattern& pattern() {
   return kPattern;
 }
 
-ExposureTrajectory relativeTrajectory(const SE3& T_host_target, const Vector6& xi, bool blurred) {
-  return {T_host_target, xi, blurred ? 1.0 : 0.0};
-}
-
 float squaredGradient(const cv::Mat1f& image, int x, int y) {
   const float gx = 0.5F * (image(y, x + 1) - image(y, x - 1));
   const float gy = 0.5F * (image(y + 1, x) - image(y - 1, x));
@@ -51,15 +47,20 @@ void assembleRows(const Eigen::Matrix<double, 7, 7>& sums, const PatchPath& path
 
 PairGeometry makePairGeometry(const KeyframeState& host, const KeyframeState& target, bool reblur_targets) {
   PairGeometry pair;
-  const bool blurred = reblur_targets && !target.xi.isZero(0.0);
+  pair.blurred = reblur_targets && !target.xi.isZero(0.0);
   pair.host_image = &host.sharp->level(0);
   pair.target_image = reblur_targets ? &target.original->level(0) : &target.sharp->level(0);
+  const auto makePaths = [&](const SE3& T_host_target) {
+    return PatchPathMaker(pair.host_image->camera, pair.target_image->camera,
+                          {T_host_target, target.xi, pair.blurred ? 1.0 : 0.0});
+  };
   const SE3 T_host_target = host.T_map_keyframe().inverse() * target.T_map_keyframe();
   const SE3 T_host_target_first = host.T_linear.inverse() * target.T_linear;
   pair.T_target_host = T_host_target.inverse();
-  pair.now = relativeTrajectory(T_host_target, target.xi, blurred);
-  pair.first = relativeTrajectory(T_host_target_first, target.xi, blurred);
-  pair.moved = !host.delta.head<6>().isZero(0.0) || !target.delta.head<6>().isZero(0.0);
+  pair.path = makePaths(T_host_target);
+  if (!host.delta.head<6>().isZero(0.0) || !target.delta.head<6>().isZero(0.0)) {
+    pair.first_path = makePaths(T_host_target_first);
+  }
   const AffineBrightness host_brightness = host.brightness();
   const AffineBrightness target_brightness = target.brightness();
   pair.gain = static_cast<float>(std::exp(target_brightness.a - host_brightness.a));
@@ -95,34 +96,28 @@ void placePixels(const PairGeometry& pair, const Eigen::Vector2d& host_pixel, do
   residual.has_pixels = std::isfinite(sum);
 }
 
-bool makeResidualPath(const PairGeometry& pair, const ExposureTrajectory& trajectory, const PatchResidual& residual,
-                      double inverse_depth, PatchPath& path) {
-  return makePatchPath(pair.host_image->camera, pair.target_image->camera, trajectory, residual.centre.cast<double>(),
-                       inverse_depth, path);
-}
-
 bool evaluatePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
                    const ResidualOptions& options, PatchMoments& moments) {
   ReblurredPatch patch;
-  const int samples = pair.blurred() ? sampleCount(path.length(), options.sample_spacing_px, options.max_samples) : 1;
+  const int samples = pair.blurred ? sampleCount(path.length(), options.sample_spacing_px, options.max_samples) : 1;
   reblurPatch(*pair.host_image, path, pattern(), samples, patch);
 
-  Eigen::Matrix<float, kResidualPixels, 8> z;
-  Eigen::Matrix<float, kResidualPixels, 1> weight;
+  Eigen::Matrix<float, 8, kResidualPixels> z, weighted;  // one column per pixel
   moments.energy = 0.0F;
   for (std::size_t k = 0; k < kResidualPixels; ++k) {
     const float normalized = pair.gain * (patch.value[k] - pair.offset_host);
     const float r = residual.intensity[k] - normalized - pair.offset_target;
     const float magnitude = std::abs(r);
     const float huber = magnitude <= options.huber_threshold ? 1.0F : options.huber_threshold / magnitude;
-    weight(static_cast<int>(k)) = residual.weight[k] * huber;
-    moments.energy += weight(static_cast<int>(k)) * r * r * (2.0F - huber);
-    z.row(static_cast<int>(k)) << -pair.gain * patch.gx[k], -pair.gain * patch.gy[k], -pair.gain * patch.ugx[k],
+    const float weight = residual.weight[k] * huber;
+    moments.energy += weight * r * r * (2.0F - huber);
+    const auto column = static_cast<Eigen::Index>(k);
+    z.col(column) << -pair.gain * patch.gx[k], -pair.gain * patch.gy[k], -pair.gain * patch.ugx[k],
         -pair.gain * patch.ugy[k], -normalized, -1.0F, r, 0.0F;
+    weighted.col(column) = weight * z.col(column);
   }
   if (!std::isfinite(moments.energy)) return false;
-  const Eigen::Matrix<float, kResidualPixels, 8> weighted = weight.asDiagonal() * z;
-  moments.sums.noalias() = z.transpose() * weighted;
+  moments.sums.noalias() = z.lazyProduct(weighted.transpose());
   return true;
 }
 

@@ -67,17 +67,19 @@ void WindowLinearizer::linearizePoint(WindowState& state, const std::vector<Pair
     if (!residual.has_pixels) continue;
     const auto index = static_cast<std::size_t>(point.host * state.size() + residual.target);
     const PairGeometry& pair = pairs[index];
-    if (!makeResidualPath(pair, pair.now, residual, point.inverse_depth, path)) continue;
+    if (!pair.path->make(residual.centre.cast<double>(), point.inverse_depth, path)) continue;
     residual.drift = projectionDrift(path, point.pixel);
     if (!evaluatePatch(pair, path, residual, options_, moments)) continue;
     residual.trial_energy = moments.energy;
     if (moments.energy > state.keyframe(residual.target).outlier_energy) continue;
-    if (pair.moved && !makeResidualPath(pair, pair.first, residual, point.inverse_depth, first_path)) continue;
-    assembleSystem(moments, pair.moved ? first_path : path, pair.blurred(), system);
+    if (pair.first_path && !pair.first_path->make(residual.centre.cast<double>(), point.inverse_depth, first_path)) {
+      continue;
+    }
+    assembleSystem(moments, pair.first_path ? first_path : path, pair.blurred, system);
     chunk.pairs[index].H += system.H;
     chunk.pairs[index].b += system.b;
     V.segment<kKeyframeDim>(kKeyframeDim * residual.target) += system.H_state_depth.transpose();
-    host_depth.noalias() += pair.J_host.transpose() * system.H_state_depth;
+    host_depth.noalias() += pair.J_host.transpose().lazyProduct(system.H_state_depth);
     H_depth += system.H_depth;
     b_depth += system.b_depth;
   }

@@ -179,6 +179,7 @@ void WindowOptimizer::finish(WindowState& state, WindowSummary& summary) const {
 
 WindowSummary WindowOptimizer::optimize(WindowState& state, const ScaleAnchor& anchor, int max_iterations) {
   WindowSummary summary;
+  if (state.size() < 2) return summary;  // nothing to compare; points wait for a second keyframe
   begin(state);
   const auto otherCost = [&] { return state.prior.cost(state.deltas()) + anchor.cost(state); };
   summary.initial_cost = photometricCost(state) + otherCost();

@@ -28,7 +28,7 @@ WindowPointActivation::DepthSystem WindowPointActivation::evaluate(const WindowS
   for (PatchResidual& residual : point.residuals) {
     const PairGeometry& pair = pairs[static_cast<std::size_t>(residual.target)];
     if (place_pixels) placePixels(pair, point.pixel, point.inverse_depth, residual_options_, residual);
-    if (!residual.has_pixels || !makeResidualPath(pair, pair.now, residual, point.inverse_depth, path) ||
+    if (!residual.has_pixels || !pair.path->make(residual.centre.cast<double>(), point.inverse_depth, path) ||
         !evaluatePatch(pair, path, residual, residual_options_, moments)) {
       // Leaving an image never pays: the energy before the step, if any, still counts.
       if (!std::isnan(residual.energy)) {
@@ -39,7 +39,7 @@ WindowPointActivation::DepthSystem WindowPointActivation::evaluate(const WindowS
     residual.energy = moments.energy;
     total.cost += std::min(static_cast<double>(moments.energy), state.keyframe(residual.target).outlier_energy);
     if (!state.isGood(residual)) continue;
-    assembleSystem(moments, path, pair.blurred(), system);
+    assembleSystem(moments, path, pair.blurred, system);
     total.H += system.H_depth;
     total.b += system.b_depth;
   }

@@ -159,15 +159,15 @@ TEST_P(WindowJacobian, HessianIsTheProductOfJacobians) {
     KeyframeState moved = state.keyframe(1);
     moved.delta = d.head<8>();
     const PairGeometry p = makePairGeometry(state.keyframe(0), moved, true);
-    EXPECT_TRUE(makeResidualPath(p, p.now, residual, 0.6 + d(8), path));
+    EXPECT_TRUE(p.path->make(residual.centre.cast<double>(), 0.6 + d(8), path));
     EXPECT_TRUE(evaluatePatch(p, path, residual, options, moments));
     return Eigen::VectorXd::Constant(1, -static_cast<double>(moments.sums(5, 6)));  // J_b r = -r
   };
   const Eigen::MatrixXd J = test::numericJacobian(residualAt, 9, 5e-3);
   ResidualSystem system;
-  ASSERT_TRUE(makeResidualPath(pair, pair.now, residual, 0.6, path));
+  ASSERT_TRUE(pair.path->make(residual.centre.cast<double>(), 0.6, path));
   ASSERT_TRUE(evaluatePatch(pair, path, residual, options, moments));
-  assembleSystem(moments, path, pair.blurred(), system);
+  assembleSystem(moments, path, pair.blurred, system);
   Eigen::Matrix<double, 9, 9> H;
   H << system.H, system.H_state_depth, system.H_state_depth.transpose(), system.H_depth;
   const Eigen::Matrix<double, 9, 9> expected = J.transpose() * J;

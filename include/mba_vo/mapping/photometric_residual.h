@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "mba_vo/blur/patch_path.h"
 #include "mba_vo/mapping/window_state.h"
 
@@ -17,15 +19,13 @@ struct PairGeometry {
   const ImageLevel* host_image = nullptr;
   const ImageLevel* target_image = nullptr;
   SE3 T_target_host;
-  ExposureTrajectory now;            // T_host_target at the current state, with the target's motion
-  ExposureTrajectory first;          // the same at the linearisation points
-  bool moved = false;                // the two differ
+  std::optional<PatchPathMaker> path;        // at the current state, with the target's motion
+  std::optional<PatchPathMaker> first_path;  // at the linearisation points, if they differ
+  bool blurred = false;
   float gain = 1.0F;                 // exp(a_target - a_host)
   float offset_host = 0.0F;          // b_host
   float offset_target = 0.0F;        // b_target
   Matrix8 J_host = Matrix8::Zero();  // d (target's states) / d (host's states) with equal effect on the residual
-
-  bool blurred() const { return now.exposure > 0.0; }
 };
 
 PairGeometry makePairGeometry(const KeyframeState& host, const KeyframeState& target, bool reblur_targets);
@@ -58,9 +58,5 @@ struct ResidualSystem {
 /// `path` supplies the geometric Jacobians; it is that of the linearisation points if those differ from the current
 /// state.
 void assembleSystem(const PatchMoments& moments, const PatchPath& path, bool blurred, ResidualSystem& system);
-
-/// Path at the linearisation points for the residual's pixels; false if it is behind a camera.
-bool makeResidualPath(const PairGeometry& pair, const ExposureTrajectory& trajectory, const PatchResidual& residual,
-                      double inverse_depth, PatchPath& path);
 
 }  // namespace mba_vo

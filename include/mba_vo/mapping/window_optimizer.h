@@ -10,7 +10,7 @@ struct WindowOptimizerOptions {
   double initial_lambda = 1e-4;
   double min_lambda = 1e-7;
   double max_lambda = 1e6;
-  double min_relative_decrease = 1e-6;  // of the cost; a smaller one ends the optimisation
+  double min_relative_decrease = 1e-5;  // of the cost; a smaller one ends the optimisation
   double min_step = 1e-9;               // [m, rad] of all poses; a smaller one ends the optimisation
   float max_drift_px = 0.75F;           // beyond it a residual gets new pixels
 };
