@@ -63,7 +63,9 @@ void LocalMap::addKeyframe(const FrameConstPtr& frame, const std::shared_ptr<con
   keyframe.xi = xi;
   keyframe.brightness = brightness;
   window_.addKeyframe(keyframe);
-  keyframes_[keyframe.id] = {frame, sharp, {}};
+  // An image that was not deblurred still has the whole motion in it.
+  const Vector6 image_xi = config_.commute_blur && sharp == keyframe.original ? xi : Vector6::Zero();
+  keyframes_[keyframe.id] = {frame, sharp, image_xi, {}};
 }
 
 void LocalMap::searchDepths(const TrackedFrame& tracked) {
@@ -91,14 +93,14 @@ std::shared_ptr<const ImagePyramid> LocalMap::deblur(const TrackedFrame& tracked
   return deblurrer_->deblur(input);
 }
 
-KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked) {
+KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const Vector6& xi) {
   KeyframeReport report;
   const Clock::time_point begin = Clock::now();
   const SE3 T_map_keyframe = T_map_camera(tracked);
   const auto sharp = deblur(tracked, T_map_keyframe);
   report.deblur_ms = millisecondsSince(begin);
 
-  addKeyframe(tracked.frame, sharp, T_map_keyframe, tracked.trajectory.xi(), tracked.brightness);
+  addKeyframe(tracked.frame, sharp, T_map_keyframe, xi, tracked.brightness);
   window_.addResidualsTo(newestKeyframe());
   Clock::time_point stage = Clock::now();
   activatePoints();
@@ -182,6 +184,7 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe) {
   reference->id = {id_, keyframe, revision_++};
   reference->T_map_reference = window_.T_map_keyframe(keyframe);
   reference->pyramid = keyframes_.at(keyframe).sharp;
+  reference->image_xi = keyframes_.at(keyframe).image_xi;
   reference->brightness = window_.brightness(keyframe);
   reference->points = projectPoints(window_, reference->pyramid->level(0).camera, reference->T_map_reference);
   for (const KeyframeId id : window_.keyframes()) reference->T_map_keyframe[id] = window_.T_map_keyframe(id);

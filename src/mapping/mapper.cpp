@@ -1,7 +1,9 @@
 #include "mba_vo/mapping/mapper.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "mba_vo/mapping/kinematic_blur.h"
 #include "mba_vo/mapping/replay.h"
 
 namespace mba_vo {
@@ -23,7 +25,7 @@ class Mapper::Impl {
     if (frame->reference.map_id != map_->id()) return stale(*frame);
     lost_since_ns_.reset();
     frames_without_reference_ = 0;
-    return integrate(*frame);
+    return refine(frame);
   }
 
   void reset() {
@@ -31,6 +33,8 @@ class Mapper::Impl {
     reference_.reset();
     initializer_.reset();
     lost_since_ns_.reset();
+    candidate_.reset();
+    motion_ = {};
   }
 
   ReferenceConstPtr currentReference() const { return reference_; }
@@ -64,12 +68,10 @@ class Mapper::Impl {
     storeReferenceItself(forward, *reference, initial.reference);
     for (const FrameConstPtr& frame : frames) {
       if (frame->mid_exposure_ns <= origin_ns) continue;
-      const TrackedFrame tracked = forward.track(*reference, frame);
-      if (!tracked.tracked()) continue;
-      store_.addFrame(tracked);
-      map_->searchDepths(tracked);
-      if (!keyframe_policy_.takes(*reference, tracked)) continue;
-      map_->insertKeyframe(tracked);
+      auto tracked = std::make_shared<TrackedFrame>(forward.track(*reference, frame));
+      if (!tracked->tracked()) continue;
+      tracked->keyframe_requested = keyframe_policy_.takes(*reference, *tracked);
+      if (!integrate(tracked)) continue;
       const std::shared_ptr<Reference> next = map_->makeReference(map_->newestKeyframe());
       forward.changeReference(next->T_map_reference.inverse() * next->T_map_keyframe.at(reference->id.keyframe_id));
       reference = next;
@@ -96,17 +98,29 @@ class Mapper::Impl {
     store_.addFrame(tracked);
   }
 
-  MapperOutput integrate(const TrackedFrame& frame) {
+  MapperOutput refine(const TrackedFrameConstPtr& frame) {
     MapperOutput output;
-    store_.addFrame(frame);
-    last_ = {frame.frame->sequence, frame.frame->mid_exposure_ns, frame.trajectory};
-    last_keyframe_ = frame.reference.keyframe_id;
-    map_->searchDepths(frame);
-    if (!frame.keyframe_requested || frame.reference.keyframe_id != reference_->id.keyframe_id) return output;
-    output.keyframe = map_->insertKeyframe(frame);
-    output.reference = publish(map_->makeReference(map_->newestKeyframe()));
+    output.keyframe = integrate(frame);
+    if (output.keyframe) output.reference = publish(map_->makeReference(map_->newestKeyframe()));
     return output;
   }
+
+  /// A frame becomes a keyframe once the frame after it has been tracked: the motion on both sides then tells how much
+  /// the keyframe itself is blurred, without looking at its blur.
+  std::optional<KeyframeReport> integrate(const TrackedFrameConstPtr& frame) {
+    store_.addFrame(*frame);
+    map_->searchDepths(*frame);
+    last_ = {frame->frame->sequence, frame->frame->mid_exposure_ns, frame->trajectory};
+    last_keyframe_ = frame->reference.keyframe_id;
+    motion_.add(frame->frame->mid_exposure_ns, map_->T_map_camera(*frame));
+    const TrackedFrameConstPtr candidate = std::exchange(candidate_, nullptr);
+    if (candidate) return map_->insertKeyframe(*candidate, motion_.xiOfMiddle(exposureOf(*candidate)));
+    if (frame->keyframe_requested && frame->reference.keyframe_id == map_->newestKeyframe()) candidate_ = frame;
+    return std::nullopt;
+  }
+
+  /// Of no use where the exposure is unknown: 0 leaves the image as if it were sharp.
+  static double exposureOf(const TrackedFrame& frame) { return frame.frame->exposure.value_or(0.0); }
 
   MapperOutput handleLost(const TrackedFrame& frame) {
     const std::int64_t now = frame.frame->mid_exposure_ns;
@@ -152,7 +166,9 @@ class Mapper::Impl {
   ReferenceConstPtr reference_;
   MapId next_map_id_ = 1;
   std::optional<std::int64_t> lost_since_ns_;
-  TrackingHint last_;  // the newest tracked frame, relative to last_keyframe_
+  KinematicBlur motion_;
+  TrackedFrameConstPtr candidate_;  // becomes a keyframe with the next frame
+  TrackingHint last_;               // the newest tracked frame, relative to last_keyframe_
   KeyframeId last_keyframe_ = 0;
   int frames_without_reference_ = 0;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <optional>
 #include <utility>
 
 #include "mba_vo/tracking/motion_prior.h"
@@ -9,8 +10,8 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kLongestPrediction = 0.5;  // [s] no velocity is trusted further ahead
-constexpr std::size_t kMaxWaiting = 20;     // frames kept for the first reference of a map
+constexpr double kLongestPrediction = 0.15;  // [s] no velocity is trusted further ahead
+constexpr std::size_t kMaxWaiting = 20;      // frames kept for the first reference of a map
 
 TrackedFrameConstPtr untracked(const FrameConstPtr& frame, TrackingStatus status, const std::string& reason) {
   auto tracked = std::make_shared<TrackedFrame>();
@@ -30,9 +31,13 @@ bool velocityUnobserved(const TrackedFrame& tracked) {
 class TrackingLoop::Impl {
  public:
   explicit Impl(const OdometryConfig& config)
-      : tracker_config_(config.tracker), tracker_(config.tracker), keyframe_policy_(config.keyframe) {}
+      : tracker_config_(config.tracker),
+        tracker_(config.tracker),
+        keyframe_policy_(config.keyframe),
+        restart_after_lost_(config.mapper.restart_after_lost) {}
 
   TrackedFrameConstPtr process(const FrameConstPtr& frame) {
+    if (reference_ && lostFor(*frame) >= restart_after_lost_) reference_.reset();  // as the mapper does
     if (!reference_) {
       waiting_.push_back(frame);
       if (waiting_.size() > kMaxWaiting) waiting_.pop_front();
@@ -53,6 +58,7 @@ class TrackingLoop::Impl {
   void reset() {
     reference_.reset();
     waiting_.clear();
+    lost_since_ns_.reset();
     T_odom_camera_ = SE3();
     T_odom_reference_ = SE3();
   }
@@ -69,12 +75,19 @@ class TrackingLoop::Impl {
     TrackingGuess guess(prior, frame->exposure.value_or(tracker_config_.unknown_exposure));
     guess.brightness = brightness_;
     auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
-    if (tracked->tracked()) {
+    if (!tracked->tracked()) {
+      if (!lost_since_ns_) lost_since_ns_ = frame->mid_exposure_ns;
+    } else {
+      lost_since_ns_.reset();
       updatePrior(*tracked);
       T_odom_camera_ = T_odom_reference_ * last_.T_reference_mid;
       tracked->keyframe_requested = keyframe_policy_.takes(*reference_, *tracked);
     }
     return tracked;
+  }
+
+  double lostFor(const Frame& frame) const {  // [s]
+    return lost_since_ns_ ? 1e-9 * static_cast<double>(frame.mid_exposure_ns - *lost_since_ns_) : 0.0;
   }
 
   /// False if the reference is of no use: nothing says where the camera is in its map.
@@ -92,6 +105,7 @@ class TrackingLoop::Impl {
       return false;
     }
     reference_ = reference;
+    lost_since_ns_.reset();
     return true;
   }
 
@@ -117,10 +131,12 @@ class TrackingLoop::Impl {
   TrackerConfig tracker_config_;
   Tracker tracker_;
   KeyframePolicy keyframe_policy_;
+  double restart_after_lost_;  // [s]
   ReferenceConstPtr reference_;
   std::deque<FrameConstPtr> waiting_;
   ExposureTrajectory last_;  // of the last tracked frame, relative to reference_
   std::int64_t last_ns_ = 0;
+  std::optional<std::int64_t> lost_since_ns_;
   AffineBrightness brightness_;
   SE3 T_odom_camera_;
   SE3 T_odom_reference_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mba_vo/blur/commuted_blur.h"
+
 namespace mba_vo {
 namespace {
 
@@ -73,6 +75,7 @@ std::optional<Eigen::Vector2d> AlignmentProblem::projectPoint(const ReferencePoi
 void AlignmentProblem::selectPatches(const AlignmentState& state) {
   T_selected_ = state.T_reference_mid;
   const SE3 T_frame_reference = T_selected_.inverse();
+  const CommutedBlur commuted(reference_level_.camera, frame_level_.camera, T_selected_, reference_.image_xi);
   patches_.clear();
   patches_.reserve(points_.size());
   for (const int index : points_) {
@@ -82,12 +85,8 @@ void AlignmentProblem::selectPatches(const AlignmentState& state) {
     const Eigen::Vector2d centre(std::round(projection->x()), std::round(projection->y()));
     if (!frame_level_.camera.contains(centre, pattern_.radius)) continue;
     Patch patch{centre, static_cast<double>(point.inverse_depth), static_cast<double>(point.variance), {}};
-    const int x = static_cast<int>(centre.x());
-    const int y = static_cast<int>(centre.y());
-    for (int k = 0; k < pattern_.size; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      patch.intensity(k) = frame_level_.intensity(y + pattern_.dy[i], x + pattern_.dx[i]);
-    }
+    commuted.read(frame_level_, centre, patch.inverse_depth, pattern_, static_cast<float>(options_.sample_spacing_px),
+                  options_.max_samples, patch.intensity);
     patches_.push_back(patch);
   }
   if (patches_.empty()) return;
@@ -150,7 +149,7 @@ void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker,
   for (int k = 0; k < size; ++k) {
     const auto i = static_cast<std::size_t>(k);
     const float value = predicted.value[i];
-    const float residual = patch.intensity(k) - (gain * value + offset);
+    const float residual = patch.intensity[i] - (gain * value + offset);
     if (!std::isfinite(residual)) {
       cost += cost_of_leaving;
       continue;

@@ -33,8 +33,11 @@ class LocalMap {
   /// Refines the depths of all immature points with a tracked frame.
   void searchDepths(const TrackedFrame& tracked);
 
-  /// Makes the tracked frame a keyframe: deblurs, activates points, optimises and marginalises.
-  KeyframeReport insertKeyframe(const TrackedFrame& tracked);
+  /// Makes the tracked frame, which moved by `xi` within its exposure, a keyframe: deblurs, activates points, optimises
+  /// and marginalises.
+  KeyframeReport insertKeyframe(const TrackedFrame& tracked, const Vector6& xi);
+
+  SE3 T_map_camera(const TrackedFrame& tracked) const;
 
   /// Snapshot for the tracker about one keyframe of the window.
   std::shared_ptr<Reference> makeReference(KeyframeId keyframe);
@@ -45,10 +48,10 @@ class LocalMap {
   struct HostKeyframe {
     FrameConstPtr frame;
     std::shared_ptr<const ImagePyramid> sharp;
+    Vector6 image_xi;  // motion blur left in `sharp`
     std::vector<ImmaturePoint> immature;
   };
 
-  SE3 T_map_camera(const TrackedFrame& tracked) const;
   void addKeyframe(const FrameConstPtr& frame, const std::shared_ptr<const ImagePyramid>& sharp,
                    const SE3& T_map_keyframe, const Vector6& xi, const AffineBrightness& brightness);
   std::shared_ptr<const ImagePyramid> deblur(const TrackedFrame& tracked, const SE3& T_map_keyframe) const;

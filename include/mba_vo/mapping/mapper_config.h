@@ -21,6 +21,7 @@ struct MapperConfig {
   int new_points_per_keyframe = 1500;
   int max_display_points = 200000;
   double restart_after_lost = 1.0;
+  bool commute_blur = true;
   bool deterministic = false;  // bit-identical results run after run; sums in a fixed order
 
   template <typename Config, typename Visitor>
@@ -32,6 +33,7 @@ struct MapperConfig {
     v("new_points_per_keyframe", c.new_points_per_keyframe, 50, 10000, "candidate points selected in a new keyframe");
     v("max_display_points", c.max_display_points, 0, 10000000, "old map points kept for display");
     v("restart_after_lost", c.restart_after_lost, 0.05, 1e6, "a new map is begun after being lost for so long [s]");
+    v("commute_blur", c.commute_blur, "blur frames along the keyframe's own path where the keyframe is not sharp");
   }
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -74,7 +75,7 @@ class AlignmentProblem {
     Eigen::Vector2d centre;  // integer pixel of the frame on this level
     double inverse_depth;
     double inverse_depth_variance;
-    Eigen::Matrix<float, kMaxPatchPixels, 1> intensity;  // of the frame, NaN where invalid
+    std::array<float, kMaxPatchPixels> intensity;  // of the frame, NaN where invalid
   };
   class Sums;
 

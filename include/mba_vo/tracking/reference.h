@@ -50,8 +50,9 @@ struct TrackingHint {
 struct Reference {
   ReferenceId id;
   SE3 T_map_reference;
-  std::shared_ptr<const ImagePyramid> pyramid;  // sharp
-  AffineBrightness brightness;                  // of the reference image
+  std::shared_ptr<const ImagePyramid> pyramid;
+  Vector6 image_xi = Vector6::Zero();  // motion blur left in the image, 0 = sharp [m, rad]
+  AffineBrightness brightness;         // of the reference image
   std::vector<ReferencePoint> points;
   std::map<KeyframeId, SE3> T_map_keyframe;  // the window's poses at the same moment
   std::optional<TrackingHint> hint;
