@@ -15,6 +15,9 @@ constexpr double kTwoPi = 6.283185307179586;
 constexpr double kReferenceRate = 27.0;  // [Hz] of the error statistics
 constexpr double kMedianError = 0.52;    // [deg] for unit shake, a little above the promised 0.5 and 1.1
 constexpr double kUpperError = 1.15;     // [deg], 90 %
+constexpr double kLargestError = 2.15;   // [deg]
+constexpr double kBurst = 1.1;           // the strength varies between exp(-kBurst) and exp(kBurst)
+constexpr double kLongestCalm = 10.0;    // [s]
 constexpr double kDefaultSpeed = 0.4;    // [m/s]
 constexpr double kDegrees = 180.0 / CV_PI;
 
@@ -69,14 +72,18 @@ HandHeldMotion::HandHeldMotion(const HandHeldMotionConfig& config, const FreeSpa
   };
   for (int axis = 0; axis < 3; ++axis) {
     walk_[axis] = draw(0.06, 0.22, 3, axis == 2 ? 0.7 : 0.9);
-    sway_[axis] = draw(0.7, 2.4, 4, 0.05);
-    tremble_[axis] = draw(0.8, 2.6, 5, axis == 2 ? 0.12 : 0.2);
+    sway_[axis] = draw(0.6, 1.8, 4, 0.03);
+    tremble_[axis] = draw(0.4, 1.7, 4, axis == 2 ? 0.12 : 0.2);
   }
   gaze_[0] = draw(0.03, 0.12, 3, 1.3);
   gaze_[1] = draw(0.05, 0.2, 3, 0.2);
   gaze_[2] = draw(0.05, 0.2, 3, 0.12);
   burst_ = draw(0.09, 0.5, 3, 1.0);
+  // Once in every sequence the waves agree, so even a short one has its worst moment.
+  const double worst = random.uniform(0.3, 0.7) * std::min(config.duration, kLongestCalm);
+  for (Wave& wave : burst_) wave.phase = 0.25 * kTwoPi - wave.frequency * worst;
   yaw_ = random.uniform(0.0, kTwoPi);
+  sway_scale_ = config.shake;
   calibrateShake(config);
   calibrateTempo(config);
   calibrateShake(config);  // walk and gaze add a little to the errors
@@ -85,11 +92,11 @@ HandHeldMotion::HandHeldMotion(const HandHeldMotionConfig& config, const FreeSpa
 SE3 HandHeldMotion::pose(double t) const {
   Eigen::Vector3d walk, sway, tremble;
   // Bursts: never still, sometimes several times as strong as in between.
-  const double strength = shake_ * std::exp(1.1 * sum(burst_, t));
+  const double strength = std::exp(kBurst * sum(burst_, t));
   for (int axis = 0; axis < 3; ++axis) {
     walk[axis] = space_.center[axis] + space_.half_size[axis] * sum(walk_[axis], tempo_ * t);
-    sway[axis] = std::min(strength, 4.0) * sum(sway_[axis], t);
-    tremble[axis] = strength * sum(tremble_[axis], t);
+    sway[axis] = sway_scale_ * strength * sum(sway_[axis], t);
+    tremble[axis] = tremble_scale_ * strength * sum(tremble_[axis], t);
   }
   const Eigen::Quaterniond gaze =
       gazeRotation(yaw_ + sum(gaze_[0], tempo_ * t), -0.22 + sum(gaze_[1], tempo_ * t), sum(gaze_[2], tempo_ * t));
@@ -135,14 +142,15 @@ void HandHeldMotion::calibrateShake(const HandHeldMotionConfig& config) {
   double weak = 0.0;
   double strong = 4.0;
   for (int i = 0; i < 24; ++i) {
-    shake_ = 0.5 * (weak + strong);
+    tremble_scale_ = 0.5 * (weak + strong);
     std::vector<SE3> poses;
     for (double t = 0.0; t <= duration; t += 1.0 / kReferenceRate) poses.push_back(pose(t));
     const std::vector<double> errors = constantVelocityErrors(poses);
-    const bool enough = quantile(errors, 0.5) >= kMedianError && quantile(errors, 0.9) >= kUpperError;
-    (enough ? strong : weak) = shake_;
+    const bool enough = quantile(errors, 0.5) >= kMedianError && quantile(errors, 0.9) >= kUpperError &&
+                        quantile(errors, 1.0) >= kLargestError;
+    (enough ? strong : weak) = tremble_scale_;
   }
-  shake_ = config.shake * strong;
+  tremble_scale_ = config.shake * strong;
 }
 
 }  // namespace mba_vo

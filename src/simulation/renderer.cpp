@@ -10,8 +10,8 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kEdgeSamples = 64;        // rays per pixel at edges over the whole exposure ...
-constexpr int kEdgeSamplesPerView = 4;  // ... and at least this many in every sub-frame
+constexpr int kEdgeSamples = 128;        // rays per pixel at edges over the whole exposure ...
+constexpr int kEdgeSamplesPerView = 24;  // ... and at least this many in every sub-frame
 constexpr std::size_t kChunk = 8;       // blocks culled together
 constexpr int kMostSubFrames = 4000;
 
@@ -114,7 +114,7 @@ cv::Mat1f Renderer::integrate(const PoseFunction& pose, double t_mid, double exp
         if (candidates.single_cover) {
           shade(block, *candidates.surfaces.front(), nullptr, block_sum);
         } else {
-          visibility.integrate(block, candidates, i * samples, samples, block_sum);
+          visibility.integrate(block, candidates, i, samples, block_sum);
         }
       });
     }

@@ -23,8 +23,8 @@ double lightAt(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
     Eigen::Vector3d position;
     double strength;
   };
-  const Lamp lamps[] = {{{1.1, 0.7, 2.2}, 1.6}, {{-1.3, -0.6, 2.2}, 1.3}, {{0.2, -2.0, 1.6}, 0.7}};
-  double light = 0.42 + 0.06 * normal.z() + 0.05 * normal.x() - 0.04 * normal.y();
+  const Lamp lamps[] = {{{1.1, 0.7, 2.2}, 2.2}, {{-1.3, -0.6, 2.2}, 1.8}, {{0.2, -2.0, 1.6}, 0.9}};
+  double light = 0.58 + 0.06 * normal.z() + 0.05 * normal.x() - 0.04 * normal.y();
   for (const Lamp& lamp : lamps) {
     const Eigen::Vector3d to_lamp = lamp.position - point;
     const double distance = to_lamp.norm();

@@ -59,14 +59,16 @@ struct TextureCoordinates {
   }
 };
 
-/// n-th point of the R2 low-discrepancy sequence in [-1/2, 1/2)^2 (n = 0 is the centre).
+/// Where ray `sample` of `samples` pierces a pixel [px from its centre]: evenly spaced across, golden ratio down, so
+/// edges of every direction are met by evenly spread rays. Each sub-frame shifts the pattern to fill the gaps.
 struct Offset {
   float x, y;
-  explicit Offset(int n) {
-    const double a = 0.5 + 0.7548776662466927 * n;
-    const double b = 0.5 + 0.5698402909980532 * n;
-    x = static_cast<float>(a - std::floor(a) - 0.5);
-    y = static_cast<float>(b - std::floor(b) - 0.5);
+  Offset(int sample, int samples, int sub_frame) {
+    const double shift_x = 0.7548776662466927 * sub_frame + 0.5;
+    const double shift_y = 0.5698402909980532 * sub_frame + 0.5;
+    const double down = 0.6180339887498949 * sample + shift_y;
+    x = static_cast<float>((sample + shift_x - std::floor(shift_x)) / samples - 0.5);
+    y = static_cast<float>(down - std::floor(down) - 0.5);
   }
 };
 
@@ -116,13 +118,13 @@ void VisibilityBuffer::cast(const RayBlock& block, const Candidates& candidates,
   }
 }
 
-void VisibilityBuffer::integrate(const RayBlock& block, const Candidates& candidates, int first, int samples,
+void VisibilityBuffer::integrate(const RayBlock& block, const Candidates& candidates, int sub_frame, int samples,
                                  float* light) {
   const std::size_t count = candidates.surfaces.size();
   coverage_.assign(count * kPixels, 0.0F);
   const float share = 1.0F / static_cast<float>(samples);
   for (int sample = 0; sample < samples; ++sample) {
-    const Offset offset(first + sample);
+    const Offset offset(sample, samples, sub_frame);
     cast(block, candidates, offset.x, offset.y);
     for (int i = 0; i < kPixels; ++i) {
       if (surface_[i] >= 0) coverage_[static_cast<std::size_t>(surface_[i] * kPixels + i)] += share;

@@ -1,7 +1,6 @@
 #include "mba_vo/simulation/view.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace mba_vo {
 namespace {
@@ -40,12 +39,6 @@ ProjectedSurface project(const Surface& s, const Eigen::Matrix3d& R_camera_world
 }
 
 }  // namespace
-
-LinearForm::Range LinearForm::over(const RayRectangle& r) const {
-  const float center = at(0.5F * (r.x_min + r.x_max), 0.5F * (r.y_min + r.y_max));
-  const float radius = 0.5F * (std::abs(a) * (r.x_max - r.x_min) + std::abs(b) * (r.y_max - r.y_min));
-  return {center - radius, center + radius};
-}
 
 View projectScene(const Scene& scene, const SE3& T_world_camera, const RayRectangle& bounds) {
   const Eigen::Matrix3d R_camera_world = T_world_camera.rotationMatrix().transpose();

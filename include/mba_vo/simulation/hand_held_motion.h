@@ -43,7 +43,8 @@ class HandHeldMotion {
   Waves burst_;         // strength of the shaking
   double yaw_ = 0.0;    // middle of the gaze [rad]
   double tempo_ = 1.0;  // of walk and gaze
-  double shake_ = 0.0;
+  double sway_scale_ = 0.0;
+  double tremble_scale_ = 0.0;
 };
 
 /// Rotation error of the guess that the motion between two frames repeats itself, for each frame but two [deg].

@@ -18,9 +18,9 @@ class VisibilityBuffer {
   /// After cast(): 1/z of each pixel, 0 = nothing there.
   const float* inverseDepth() const { return inverse_depth_; }
 
-  /// Adds the light of the block to `light`: coverage by `samples` rays per pixel starting at number `first` of a
-  /// low-discrepancy sequence, one texture look-up per pixel and surface.
-  void integrate(const RayBlock& block, const Candidates& candidates, int first, int samples, float* light);
+  /// Adds the light of the block to `light`: coverage by `samples` rays per pixel in a pattern that `sub_frame`
+  /// chooses, one texture look-up per pixel and surface.
+  void integrate(const RayBlock& block, const Candidates& candidates, int sub_frame, int samples, float* light);
 
  private:
   float inverse_depth_[RayBlock::kPixels];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "mba_vo/geometry/se3.h"
@@ -19,7 +20,11 @@ struct LinearForm {
     float lowest, highest;
   };
   /// Values over a rectangle of rays; a linear form takes its extremes in the corners.
-  Range over(const RayRectangle& r) const;
+  Range over(const RayRectangle& r) const {
+    const float center = at(0.5F * (r.x_min + r.x_max), 0.5F * (r.y_min + r.y_max));
+    const float radius = 0.5F * (std::abs(a) * (r.x_max - r.x_min) + std::abs(b) * (r.y_max - r.y_min));
+    return {center - radius, center + radius};
+  }
 };
 
 /// A surface as one camera pose sees it. For a ray d = (x, y, 1) that hits its plane at depth z, `inverse_depth` is
