@@ -28,6 +28,7 @@ constexpr double kClearQuality = 20.0;   // from which on the energies of the sc
 constexpr double kMaxQuality = 1e3;      // where nothing else could be compared
 constexpr float kScanSpacing = 2.0F;     // of the samples along the blur [px]
 constexpr float kRefineSpacing = 1.0F;   // [px]
+constexpr double kBlurError = 0.02;      // of the line, per length of the blur: trajectory and planes are not exact
 constexpr double kBlurChange = 2.0;      // within a segment [px]
 
 double huberEnergy(double residual, double threshold) {
@@ -99,7 +100,7 @@ void DepthSearcher::search(ImmaturePoint& point) const {
     point.state = State::kBadCondition;
     return;
   }
-  if (match.energy > point.energy_threshold) {
+  if (!(match.energy <= point.energy_threshold)) {
     fail(point);
     return;
   }
@@ -172,7 +173,7 @@ DepthSearcher::Scan DepthSearcher::scan(const ImmaturePoint& point, const Epipol
   const double step = length / intervals;
   const int segments = std::min(segmentCount(line, range), intervals + 1);
   const auto threshold = static_cast<float>(config_.huber_threshold);
-  std::array<float, kMaxSteps> energies;
+  std::array<float, kMaxSteps> energies{};
   int best = 0;
   for (int segment = 0; segment < segments; ++segment) {
     const int first = segment * (intervals + 1) / segments;
@@ -193,11 +194,14 @@ DepthSearcher::Scan DepthSearcher::scan(const ImmaturePoint& point, const Epipol
   const auto energyOf = [&](int i) { return static_cast<double>(energies[static_cast<std::size_t>(i)]); };
   result.best = {range.begin + best * step, energyOf(best), 0.0};
   result.second.energy = kInfinity;
+  // The flanks of the best place are no places of their own.
+  int low = best;
+  while (low > 0 && (best - low < kNeighbourhood || energyOf(low - 1) >= energyOf(low))) --low;
+  int high = best;
+  while (high < intervals && (high - best < kNeighbourhood || energyOf(high + 1) >= energyOf(high))) ++high;
   for (int i = 0; i <= intervals; ++i) {
-    if (std::abs(i - best) <= kNeighbourhood || !(energyOf(i) < result.second.energy)) continue;
+    if ((i >= low && i <= high) || !(energyOf(i) < result.second.energy)) continue;
     result.second = {range.begin + i * step, energyOf(i), 0.0};
-    result.second_is_minimum =
-        i > 0 && i < intervals && energyOf(i - 1) >= energyOf(i) && energyOf(i + 1) >= energyOf(i);
   }
   return result;
 }
@@ -212,11 +216,17 @@ bool DepthSearcher::refine(const ImmaturePoint& point, const EpipolarLine& line,
     return static_cast<double>(patchEnergy(frame_->intensity, patch, line.pixelAt(s), threshold));
   };
   match.energy = energyAt(match.s);
+  if (!std::isfinite(match.energy)) return false;
   LineStep step = linearise(frame_->intensity, patch, line.pixelAt(match.s), line.direction(), config_.huber_threshold);
   for (int i = 0; i < kRefinements; ++i) {
     if (!(step.hessian > 0.0)) return false;
     const double move = std::clamp(-step.gradient / step.hessian, -0.5 * kStep, 0.5 * kStep);
-    const double moved = std::clamp(match.s + move, range.begin - kMaxRefinement, range.end + kMaxRefinement);
+    const double moved = match.s + move;
+    if (moved > range.end + kMaxRefinement && !range.bounded) return false;
+    if (moved < range.begin - kMaxRefinement || moved > range.end + kMaxRefinement) {
+      match.energy = kInfinity;  // what fits better contradicts the interval
+      break;
+    }
     const double energy = energyAt(moved);
     if (!(energy < match.energy)) break;
     match.s = moved;
@@ -224,18 +234,18 @@ bool DepthSearcher::refine(const ImmaturePoint& point, const EpipolarLine& line,
     step = linearise(frame_->intensity, patch, line.pixelAt(match.s), line.direction(), config_.huber_threshold);
     if (std::abs(move) < 0.01) break;
   }
-  match.error = matchError(step, config_.line_error_px);
-  return std::isfinite(match.energy) && std::isfinite(match.error);
+  match.error = matchError(step, config_.line_error_px + kBlurError * patch.blur_px);
+  return std::isfinite(match.error);
 }
 
 /// Energy of the best place away from the match over that of the match; noise makes up for differences near zero.
 double DepthSearcher::qualityOf(const ImmaturePoint& point, const EpipolarLine& line, const Range& range,
                                 const Match& match, const Scan& scan) const {
-  constexpr double kFloor = static_cast<double>(SearchPatch::kSize) * kMatchNoise * kMatchNoise;
+  constexpr double kFloor = static_cast<double>(SearchPatch::kSize);
   Match second = scan.second;
   const auto quality = [&] { return std::min((second.energy + kFloor) / (match.energy + kFloor), kMaxQuality); };
   // Between the steps a repetition may fit as well as the match itself.
-  if (scan.second_is_minimum && quality() < kClearQuality) refine(point, line, range, second);
+  if (quality() < kClearQuality && !refine(point, line, range, second)) second = scan.second;
   return quality();
 }
 

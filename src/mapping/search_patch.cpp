@@ -107,6 +107,7 @@ SearchPatch SearchPatchMaker::makeBlurred(const PatchPath& path, float spacing_p
     patch.value[k] = gain_ * reblurred.value[k] + offset_;
     sum += patch.value[k];
   }
+  patch.blur_px = static_cast<double>(path.length());
   patch.valid = std::isfinite(sum);
   return patch;
 }

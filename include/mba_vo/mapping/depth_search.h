@@ -78,8 +78,7 @@ class DepthSearcher {
   };
   struct Scan {
     Match best;
-    Match second;                    // best place away from the best one
-    bool second_is_minimum = false;  // or else only the flank of another one
+    Match second;  // next best place, beyond the flanks of the best one
   };
 
   bool isInside(const Eigen::Vector2d& pixel) const;

@@ -16,6 +16,7 @@ struct SearchPatch {
   bool valid = false;
   std::array<float, kSize> dx{}, dy{};  // [px]
   std::array<float, kSize> value{};     // expected in the frame [grey levels]
+  double blur_px = 0.0;                 // length of the path that was averaged, 0 = sharp
 };
 
 /// Predicts search patches of points of one host for one frame. If the image moves while the shutter is open, the
