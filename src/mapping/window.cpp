@@ -85,10 +85,10 @@ void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
   added.xi = keyframe.xi;
   added.T_linear = keyframe.T_map_keyframe;
   added.brightness_linear = keyframe.brightness;
-  // Until its own residuals are known: as strict as the previous keyframe, at first twice the Huber threshold per
-  // pixel.
+  // Until its own residuals are known: as strict as the previous keyframe, at first twice the square of the Huber
+  // threshold per pixel.
   added.outlier_energy = state_.keyframes.empty()
-                             ? 4.0 * kResidualPixels * config_.huber_threshold * config_.huber_threshold
+                             ? 2.0 * kResidualPixels * config_.huber_threshold * config_.huber_threshold
                              : state_.keyframes.back().outlier_energy;
   const bool first = state_.keyframes.empty();
   state_.keyframes.push_back(added);
