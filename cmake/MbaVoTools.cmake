@@ -10,6 +10,7 @@ endfunction()
 
 mba_vo_tool(mba_vo_evaluate mba_vo_evaluation)
 mba_vo_tool(mba_vo_offline mba_vo_io)
+mba_vo_tool(mba_vo_simulate mba_vo_simulation mba_vo_io)
 
 # A program called with these arguments must say what matches the regular expression.
 function(mba_vo_tool_test name program expected)
@@ -32,3 +33,9 @@ mba_vo_tool_test(offline_wrong_exposure mba_vo_offline "exposure '-1': must be a
 mba_vo_tool_test(offline_no_sequence_folder mba_vo_offline "images: no such folder"
   ${CMAKE_CURRENT_SOURCE_DIR} --output out)
 mba_vo_tool_test(offline_prints_config mba_vo_offline "max_points: [0-9]+  # patches aligned" --print-config)
+mba_vo_tool_test(simulate_without_output mba_vo_simulate "--output or --bag is needed")
+mba_vo_tool_test(simulate_wrong_rate mba_vo_simulate "--rate: Value 0 not in range" --output out --rate 0)
+mba_vo_tool_test(simulate_long_exposure mba_vo_simulate "exposure = 0.05[0-9]* s is longer than the frame interval"
+  --output out --exposure 0.05)
+mba_vo_tool_test(simulate_wrong_lens mba_vo_simulate "distortion_model = 'barrel' is none of"
+  --output out --distortion-model barrel)

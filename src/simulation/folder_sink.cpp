@@ -59,11 +59,13 @@ void writeCamera(const std::string& file, const CameraCalibration& c) {
 
 }  // namespace
 
-FolderSink::FolderSink(const std::string& folder, const CameraCalibration& calibration) : folder_(folder) {
-  if (fs::exists(folder + "/times.txt")) {
-    throw std::runtime_error("'" + folder + "' already holds a sequence; choose another folder or remove it");
-  }
+FolderSink::FolderSink(const std::string& folder, const CameraCalibration& calibration, bool overwrite)
+    : folder_(folder) {
   std::error_code error;
+  if (fs::exists(folder + "/times.txt", error)) {
+    if (!overwrite) throw std::runtime_error("'" + folder + "' already holds a sequence; choose another folder");
+    for (const char* images : {"/images", "/images_sharp", "/depth"}) fs::remove_all(folder + images, error);
+  }
   fs::create_directories(folder + "/images", error);
   if (error) throw std::runtime_error("cannot make the folder '" + folder + "/images': " + error.message());
   writeCamera(folder + "/camera.yaml", calibration);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kEdgeSamples = 128;        // rays per pixel at edges over the whole exposure ...
 constexpr int kEdgeSamplesPerView = 24;  // ... and at least this many in every sub-frame
-constexpr std::size_t kChunk = 8;       // blocks culled together
+constexpr std::size_t kChunk = 8;        // blocks culled together
 constexpr int kMostSubFrames = 4000;
 
 /// Visits the blocks of a strip with the surfaces that each may see.

@@ -105,12 +105,16 @@ void VisibilityBuffer::cast(const RayBlock& block, const Candidates& candidates,
   std::fill(surface_, surface_ + kPixels, -1);
   for (int index = 0; index < static_cast<int>(candidates.surfaces.size()); ++index) {
     const ProjectedSurface& s = *candidates.surfaces[static_cast<std::size_t>(index)];
+    const LinearForm edge0 = s.edge[0].shifted(shift_x, shift_y);
+    const LinearForm edge1 = s.edge[1].shifted(shift_x, shift_y);
+    const LinearForm edge2 = s.edge[2].shifted(shift_x, shift_y);
+    const LinearForm edge3 = s.edge[3].shifted(shift_x, shift_y);
+    const LinearForm nearness = s.inverse_depth.shifted(shift_x, shift_y);
     for (int i = 0; i < kPixels; ++i) {
-      const float x = block.x[i] + shift_x;
-      const float y = block.y[i] + shift_y;
-      const float inside =
-          std::min(std::min(s.edge[0].at(x, y), s.edge[1].at(x, y)), std::min(s.edge[2].at(x, y), s.edge[3].at(x, y)));
-      const float inverse_depth = s.inverse_depth.at(x, y);
+      const float x = block.x[i];
+      const float y = block.y[i];
+      const float inside = std::min(std::min(edge0.at(x, y), edge1.at(x, y)), std::min(edge2.at(x, y), edge3.at(x, y)));
+      const float inverse_depth = nearness.at(x, y);
       const bool hit = (inside >= 0.0F) & (inverse_depth > inverse_depth_[i]);
       inverse_depth_[i] = hit ? inverse_depth : inverse_depth_[i];
       surface_[i] = hit ? index : surface_[i];

@@ -107,10 +107,13 @@ TEST_F(Recording, CameraFileIsCompleteYaml) {
   }
 }
 
-TEST_F(Recording, NeverWritesOverASequence) {
+TEST_F(Recording, WritesOverASequenceOnlyWhenTold) {
   const CameraCalibration calibration = shortConfig().calibration();
   { FolderSink sink(folder_.string(), calibration); }
   EXPECT_THROW(FolderSink(folder_.string(), calibration), std::runtime_error);
+  std::ofstream(folder_ / "images" / "000009.png") << "of an earlier, longer sequence";
+  EXPECT_NO_THROW(FolderSink(folder_.string(), calibration, true));
+  EXPECT_FALSE(fs::exists(folder_ / "images" / "000009.png"));
   EXPECT_THROW(FolderSink("/dev/null/sequence", calibration), std::runtime_error);
 }
 

@@ -12,8 +12,9 @@ namespace mba_vo {
 /// groundtruth.txt, groundtruth_exposure.txt, blur_px.txt.
 class FolderSink : public SequenceSink {
  public:
-  /// Throws std::runtime_error naming what cannot be written, also when `folder` already holds a sequence.
-  FolderSink(const std::string& folder, const CameraCalibration& calibration);
+  /// Throws std::runtime_error naming what cannot be written, also when `folder` already holds a sequence and
+  /// `overwrite` is false.
+  FolderSink(const std::string& folder, const CameraCalibration& calibration, bool overwrite = false);
 
   void write(const SimulatedFrame& frame) override;
   void finish() override;

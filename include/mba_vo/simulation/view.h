@@ -14,6 +14,7 @@ struct LinearForm {
   float a, b, c;
 
   float at(float x, float y) const { return a * x + b * y + c; }
+  LinearForm shifted(float x, float y) const { return {a, b, at(x, y)}; }
   LinearForm operator-(const LinearForm& o) const { return {a - o.a, b - o.b, c - o.c}; }
 
   struct Range {
