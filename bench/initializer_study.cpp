@@ -1,5 +1,5 @@
 // Starts the initialiser at every n-th frame of a sequence folder and compares what it finds with the ground truth.
-//   initializer_study SEQUENCE [IMAGES_SUBFOLDER] [EVERY]
+//   initializer_study SEQUENCE [IMAGES_SUBFOLDER] [EVERY] [FIRST]
 // One row per start: frames and seconds until success; seconds since the parallax first passed 2 %; the parallax of the
 // map; the error of the poses after alignment of the scale (RMS, in % of the longest baseline); the largest rotation
 // error; points; the blur of the reference; the time spent per frame.
@@ -91,6 +91,7 @@ Sequence readSequence(const std::string& folder, const std::string& images) {
 
 struct Result {
   bool success = false;
+  bool reversed = false;  // motion opposite to the true one
   int frames = 0;
   double seconds = 0.0;
   double since_parallax = 0.0;  // [s] after 2 % of parallax from the start
@@ -122,6 +123,7 @@ void compare(const Sequence& sequence, const mba_vo::InitialMap& map, std::size_
   }
   r.error_percent = 100.0 * std::sqrt(sum / static_cast<double>(map.poses.size())) / longest;
   r.parallax = longest_estimate;
+  r.reversed = scale < 0.0;
   for (std::size_t i = start; i <= end; ++i) {
     const double moved =
         (sequence.T_world_camera[i].translation() - sequence.T_world_camera[start].translation()).norm();
@@ -162,9 +164,9 @@ void print(const Sequence& sequence, std::size_t start, const Result& r) {
     return;
   }
   const double blur = r.reference < sequence.blur_px.size() ? sequence.blur_px[r.reference] : std::nan("");
-  std::printf("%5zu %6d %6.2f %7.2f %8.1f %8.2f %8.2f %6zu %5zu %5zu %6.1f %6.1f %6.1f\n", start, r.frames, r.seconds,
+  std::printf("%5zu %6d %6.2f %7.2f %8.1f %8.2f %8.2f %6zu %5zu %5zu %6.1f %6.1f %6.1f%s\n", start, r.frames, r.seconds,
               r.since_parallax, 100.0 * r.parallax, r.error_percent, r.max_rotation_deg, r.points, r.poses,
-              r.reference_offset, blur, r.ms_per_frame, r.max_ms);
+              r.reference_offset, blur, r.ms_per_frame, r.max_ms, r.reversed ? " REVERSED" : "");
 }
 
 double quantile(std::vector<double> values, double q) {
@@ -177,16 +179,17 @@ double quantile(std::vector<double> values, double q) {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    std::cerr << "usage: initializer_study SEQUENCE [IMAGES_SUBFOLDER] [EVERY]\n";
+    std::cerr << "usage: initializer_study SEQUENCE [IMAGES_SUBFOLDER] [EVERY] [FIRST]\n";
     return 1;
   }
   cv::setNumThreads(1);
   const Sequence sequence = readSequence(argv[1], argc > 2 ? argv[2] : "images");
   const std::size_t every = argc > 3 ? std::stoul(argv[3]) : 10;
+  const std::size_t first = argc > 4 ? std::stoul(argv[4]) : 0;
   std::printf("start frames seconds after2%% parallax%% error%% rot.deg points poses  ref  blur  ms/fr maxms\n");
   std::vector<double> errors, rotations, delays, times;
   int starts = 0;
-  for (std::size_t start = 0; start + 40 < sequence.frames.size(); start += every) {
+  for (std::size_t start = first; start + 40 < sequence.frames.size(); start += every) {
     const Result r = runFrom(sequence, start);
     print(sequence, start, r);
     ++starts;

@@ -235,7 +235,11 @@ std::vector<double> inverseDepthVariances(const Bundle& bundle) {
 }
 
 void normalizeScale(Bundle& bundle) {
-  std::vector<double> sorted = bundle.inverse_depth;
+  std::vector<double> sorted;
+  for (std::size_t p = 0; p < bundle.inverse_depth.size(); ++p) {
+    const auto sees = [p](const BundleView& view) { return view.observed[p] != 0; };
+    if (std::any_of(bundle.views.begin(), bundle.views.end(), sees)) sorted.push_back(bundle.inverse_depth[p]);
+  }
   if (sorted.empty()) return;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());

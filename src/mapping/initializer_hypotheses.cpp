@@ -22,6 +22,16 @@ Bundle emptyBundle(const StructureProblem& problem) {
   return bundle;
 }
 
+bool same(const Bundle& a, const Bundle& b) {
+  std::vector<double> difference;
+  for (std::size_t p = 0; p < a.inverse_depth.size(); ++p) {
+    difference.push_back(std::abs(a.inverse_depth[p] - b.inverse_depth[p]));
+  }
+  const auto middle = difference.begin() + static_cast<std::ptrdiff_t>(difference.size() / 2);
+  std::nth_element(difference.begin(), middle, difference.end());
+  return *middle < kSameDepths;
+}
+
 /// Two views refined from one relative pose.
 struct TwoViewStart {
   Bundle bundle;
@@ -42,8 +52,31 @@ TwoViewStart refineTwoViews(const StructureProblem& problem, BundleView view, co
   options.max_iterations = 6;
   start.cost = optimizeBundle(start.bundle, options).final_cost;
   normalizeScale(start.bundle);
-  for (double& w : start.bundle.inverse_depth) w = std::clamp(w, kMinStartInverseDepth, kMaxStartInverseDepth);
+  const std::vector<char>& observed = start.bundle.views.front().observed;
+  for (std::size_t p = 0; p < observed.size(); ++p) {
+    double& w = start.bundle.inverse_depth[p];
+    w = observed[p] ? std::clamp(w, kMinStartInverseDepth, kMaxStartInverseDepth) : 1.0;
+  }
   return start;
+}
+
+/// The best starts, each of which differs from the others.
+std::vector<TwoViewStart> makeStarts(const StructureProblem& problem, const std::vector<ViewGeometry>& geometry,
+                                     const ViewSplit& split) {
+  const BundleView widest = makeBundleView(problem, geometry, split.widest);
+  const PixelMatches matches = matchesWithReference(problem, split.widest);
+  std::vector<TwoViewStart> all;
+  for (const SE3& T : relativePoseCandidates(problem.camera, matches, kEpipolarTolerance)) {
+    all.push_back(refineTwoViews(problem, widest, T));
+  }
+  std::sort(all.begin(), all.end(), [](const TwoViewStart& a, const TwoViewStart& b) { return a.cost < b.cost; });
+  std::vector<TwoViewStart> starts;
+  for (TwoViewStart& candidate : all) {
+    const auto alike = [&candidate](const TwoViewStart& other) { return same(candidate.bundle, other.bundle); };
+    if (starts.size() == kMaxStarts) break;
+    if (std::none_of(starts.begin(), starts.end(), alike)) starts.push_back(std::move(candidate));
+  }
+  return starts;
 }
 
 /// All views: poses from the start's points, then everything together.
@@ -67,8 +100,8 @@ Hypothesis follow(const StructureProblem& problem, const std::vector<ViewGeometr
   return hypothesis;
 }
 
-/// With little rotation of the rays the scene turned inside out (w -> 2 - w, t -> -t) fits nearly as well. Started from
-/// there, the bundle adjustment either comes back or finds the other minimum.
+/// Seen from nearby, the scene turned inside out (w -> 2 - w) under the opposite sideways motion fits nearly as well.
+/// Started from there, the bundle adjustment either comes back or finds the other minimum.
 Hypothesis followReversed(const Hypothesis& from) {
   Hypothesis reversed = from;
   for (double& w : reversed.bundle.inverse_depth) {
@@ -77,10 +110,12 @@ Hypothesis followReversed(const Hypothesis& from) {
   BundleOptions options;
   for (BundleView& view : reversed.bundle.views) {
     const SE3& T = view.T_view_reference;
-    // What the median plane's translation looked like is now, to first order, a rotation with twice its flow.
+    // What the median plane's sideways motion looked like is now, to first order, a rotation with twice its flow; the
+    // expansion by forward motion is no rotation and stays.
     const Eigen::Vector3d t = T.translation();
-    const Eigen::Vector3d turn(-2.0 * t.y(), 2.0 * t.x(), 0.0);
-    view.T_view_reference = SE3::exp((Vector6() << Eigen::Vector3d::Zero(), turn).finished()) * SE3(T.rotation(), -t);
+    Vector6 turn = Vector6::Zero();
+    turn.tail<3>() << -2.0 * t.y(), 2.0 * t.x(), 0.0;
+    view.T_view_reference = SE3(SE3::exp(turn).rotation() * T.rotation(), Eigen::Vector3d(-t.x(), -t.y(), t.z()));
     options.max_iterations = 5;
     optimizePose(reversed.bundle, view, options);
   }
@@ -88,16 +123,6 @@ Hypothesis followReversed(const Hypothesis& from) {
   reversed.cost = optimizeBundle(reversed.bundle, options).final_cost;
   normalizeScale(reversed.bundle);
   return reversed;
-}
-
-bool same(const Hypothesis& a, const Hypothesis& b) {
-  std::vector<double> difference;
-  for (std::size_t p = 0; p < a.bundle.inverse_depth.size(); ++p) {
-    difference.push_back(std::abs(a.bundle.inverse_depth[p] - b.bundle.inverse_depth[p]));
-  }
-  const auto middle = difference.begin() + static_cast<std::ptrdiff_t>(difference.size() / 2);
-  std::nth_element(difference.begin(), middle, difference.end());
-  return *middle < kSameDepths;
 }
 
 }  // namespace
@@ -129,24 +154,17 @@ BundleView nearestStart(const StructureProblem& problem, const std::vector<ViewG
 
 std::optional<Hypothesis> bestHypothesis(const StructureProblem& problem, const std::vector<ViewGeometry>& geometry,
                                          const ViewSplit& split) {
-  const BundleView widest = makeBundleView(problem, geometry, split.widest);
-  std::vector<TwoViewStart> starts;
-  const PixelMatches matches = matchesWithReference(problem, split.widest);
-  for (const SE3& T : relativePoseCandidates(problem.camera, matches, kEpipolarTolerance)) {
-    starts.push_back(refineTwoViews(problem, widest, T));
-  }
-  if (starts.empty()) return std::nullopt;
-  std::sort(starts.begin(), starts.end(), [](const TwoViewStart& a, const TwoViewStart& b) { return a.cost < b.cost; });
   std::vector<Hypothesis> found;
-  for (std::size_t i = 0; i < std::min(kMaxStarts, starts.size()); ++i) {
-    found.push_back(follow(problem, geometry, split, starts[i].bundle));
+  for (const TwoViewStart& start : makeStarts(problem, geometry, split)) {
+    found.push_back(follow(problem, geometry, split, start.bundle));
   }
+  if (found.empty()) return std::nullopt;
   const auto cheaper = [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; };
   std::sort(found.begin(), found.end(), cheaper);
   found.push_back(followReversed(found.front()));
   std::sort(found.begin(), found.end(), cheaper);
   for (std::size_t i = 1; i < found.size(); ++i) {
-    if (same(found[0], found[i])) continue;
+    if (same(found[0].bundle, found[i].bundle)) continue;
     found[0].runner_up_ratio = std::min(found[0].runner_up_ratio, found[i].cost / std::max(1e-12, found[0].cost));
   }
   return found.front();

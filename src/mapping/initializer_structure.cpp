@@ -73,9 +73,15 @@ void refine(Bundle& bundle) {
 }
 
 double shareInFront(const Bundle& bundle) {
+  const std::vector<double> variances = inverseDepthVariances(bundle);
   double positive = 0.0;
-  for (const double w : bundle.inverse_depth) positive += w > 0.0 ? 1.0 : 0.0;
-  return positive / static_cast<double>(std::max<std::size_t>(1, bundle.inverse_depth.size()));
+  double observed = 0.0;
+  for (std::size_t p = 0; p < variances.size(); ++p) {
+    if (!std::isfinite(variances[p])) continue;
+    observed += 1.0;
+    if (bundle.inverse_depth[p] > 0.0) positive += 1.0;
+  }
+  return positive / std::max(1.0, observed);
 }
 
 /// Poses of the views left out, and whether the structure explains them.

@@ -63,8 +63,8 @@ std::vector<double> reprojectionErrors(const Bundle& bundle, const BundleView& v
 /// Variance of each inverse depth with the poses held fixed [1/m^2]; infinite where unobserved.
 std::vector<double> inverseDepthVariances(const Bundle& bundle);
 
-/// Makes the median inverse depth 1 by changing the scale. The sign with it: (w, t) and (-w, -t) are the same images, so
-/// that the optimiser may end on either.
+/// Makes the median inverse depth of the observed points 1 by changing the scale. The sign with it: (w, t) and (-w, -t)
+/// are the same images, so that the optimiser may end on either.
 void normalizeScale(Bundle& bundle);
 
 }  // namespace mba_vo
