@@ -1,0 +1,70 @@
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "mba_vo/io/sequence.h"
+#include "mba_vo/odometry/odometry.h"
+
+namespace mba_vo {
+namespace {
+
+struct Step {
+  std::optional<ReferenceId> used;     // by the tracker for this frame
+  std::optional<ReferenceId> emitted;  // by the mapper because of this frame
+};
+
+std::vector<Step> runSteps(const std::string& folder, int delay, int frames) {
+  const auto reader = openSequenceFolder(folder, "images_sharp");
+  OdometryConfig config;
+  config.mapper.deterministic = true;
+  const FrameBuilder builder(reader->calibration(), {}, config.image);
+  Odometry odometry(config, delay);
+  std::vector<Step> steps;
+  for (int i = 0; i < frames; ++i) {
+    const SequenceImage image = reader->next().value();
+    const OdometryResult result =
+        odometry.process(builder.build(image.image, image.sequence, image.stamp_ns, image.mid_exposure_ns, 0.0));
+    Step step;
+    if (result.tracked->tracked()) {
+      step.used = result.tracked->reference;
+    }
+    for (const MapperOutput& output : result.mapping) {
+      if (output.reference) {
+        step.emitted = output.reference->id;
+      }
+    }
+    steps.push_back(step);
+  }
+  return steps;
+}
+
+class ReferenceDelay : public testing::TestWithParam<int> {};
+
+TEST_P(ReferenceDelay, ReferencesAreUsedExactlyThatManyFramesLater) {
+  const std::string folder = std::string(MBA_VO_SOURCE_DIR) + "/../shared/data/desk";
+  if (!std::filesystem::exists(folder)) {
+    GTEST_SKIP() << folder << " is not here";
+  }
+  const int delay = GetParam();
+  const std::vector<Step> steps = runSteps(folder, delay, 30);
+  int checked = 0;
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    if (!steps[k].emitted) {
+      continue;
+    }
+    const std::size_t due = k + 1 + static_cast<std::size_t>(delay);
+    for (std::size_t i = 0; i < std::min(due, steps.size()); ++i) {
+      EXPECT_FALSE(steps[i].used && *steps[i].used == *steps[k].emitted) << "of frame " << k << " used at " << i;
+    }
+    if (due < steps.size() && steps[due].used) {
+      EXPECT_TRUE(*steps[due].used == *steps[k].emitted) << "of frame " << k << " not used at " << due;
+      ++checked;
+    }
+  }
+  EXPECT_GE(checked, 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Frames, ReferenceDelay, testing::Values(0, 4));
+
+}  // namespace
+}  // namespace mba_vo
