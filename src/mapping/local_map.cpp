@@ -16,32 +16,18 @@ double millisecondsSince(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
-/// Motion within the reference's exposure by the poses of its neighbours in time.
-Vector6 xiOfReference(const InitialMap& initial) {
-  const Frame& reference = *initial.reference;
-  const double exposure = reference.exposure.value_or(0.0);
-  const InitialMap::Pose* nearest = nullptr;
-  for (const InitialMap::Pose& pose : initial.poses) {
-    const auto distance = [&](const InitialMap::Pose& p) {
-      return std::abs(p.frame->mid_exposure_ns - reference.mid_exposure_ns);
-    };
-    if (!nearest || distance(pose) < distance(*nearest)) nearest = &pose;
-  }
-  if (!nearest || nearest->frame->mid_exposure_ns == reference.mid_exposure_ns) return Vector6::Zero();
-  const double dt = 1e-9 * static_cast<double>(nearest->frame->mid_exposure_ns - reference.mid_exposure_ns);
-  return (exposure / dt) * nearest->T_reference_frame.log();
-}
-
 }  // namespace
 
-LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, TrajectoryStore& store)
+LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, const Vector6& reference_velocity,
+                   TrajectoryStore& store)
     : config_(config),
       id_(id),
       store_(store),
       window_(config.window, config.deterministic),
       deblurrer_(makeDeblurrer(config.deblur)) {
   const FrameConstPtr& frame = initial.reference;
-  addKeyframe(frame, std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid), SE3(), xiOfReference(initial), {});
+  addKeyframe(frame, std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid), SE3(),
+              reference_velocity * frame->exposure.value_or(0.0), {});
   for (const ReferencePoint& point : initial.points) {
     window_.addPoint(newestKeyframe(), point.pixel.cast<double>(), static_cast<double>(point.inverse_depth));
   }
@@ -58,14 +44,15 @@ void LocalMap::addKeyframe(const FrameConstPtr& frame, const std::shared_ptr<con
   WindowKeyframe keyframe;
   keyframe.id = next_keyframe_++;
   keyframe.sharp = sharp;
-  keyframe.original = std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid);
+  const std::shared_ptr<const ImagePyramid> frame_image(frame, &frame->pyramid);
+  keyframe.original = frame_image;
   keyframe.T_map_keyframe = T_map_keyframe;
   keyframe.xi = xi;
   keyframe.brightness = brightness;
-  window_.addKeyframe(keyframe);
   // An image that was not deblurred still has the whole motion in it.
-  const Vector6 image_xi = config_.commute_blur && sharp == keyframe.original ? xi : Vector6::Zero();
-  keyframes_[keyframe.id] = {frame, sharp, image_xi, {}};
+  if (config_.commute_blur && sharp == frame_image) keyframe.image_xi = xi;
+  window_.addKeyframe(keyframe);
+  keyframes_[keyframe.id] = {frame, sharp, keyframe.image_xi, {}};
 }
 
 void LocalMap::searchDepths(const TrackedFrame& tracked) {

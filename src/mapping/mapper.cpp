@@ -49,8 +49,9 @@ class Mapper::Impl {
       output.message = initializer_.reason();
       return output;
     }
-    map_ = std::make_unique<LocalMap>(config_, next_map_id_++, *initial, store_);
-    output.reference = replayBuffer(*initial, initializer_.bufferedFrames());
+    const Vector6 velocity = referenceVelocity(*initial);
+    map_ = std::make_unique<LocalMap>(config_, next_map_id_++, *initial, velocity, store_);
+    output.reference = replayBuffer(*initial, velocity, initializer_.bufferedFrames());
     output.message =
         "map " + std::to_string(map_->id()) + " initialised with " + std::to_string(initial->points.size()) + " points";
     initializer_.reset();
@@ -59,13 +60,15 @@ class Mapper::Impl {
 
   /// Tracks the buffered frames against the new map: first those after its reference, which may become keyframes, then
   /// those before it, backwards in time.
-  ReferenceConstPtr replayBuffer(const InitialMap& initial, const std::vector<FrameConstPtr>& frames) {
+  ReferenceConstPtr replayBuffer(const InitialMap& initial, const Vector6& velocity,
+                                 const std::vector<FrameConstPtr>& frames) {
     const std::int64_t origin_ns = initial.reference->mid_exposure_ns;
     const KeyframeId first_keyframe = map_->newestKeyframe();
     std::shared_ptr<Reference> reference = map_->makeReference(first_keyframe);
-    ExposureTrajectory still;
-    Replay forward(config_, initial, still, origin_ns);
-    storeReferenceItself(forward, *reference, initial.reference);
+    const ExposureTrajectory start{SE3(), velocity,
+                                   initial.reference->exposure.value_or(config_.tracker.unknown_exposure)};
+    integrate(referenceItself(*reference, initial.reference, start));
+    Replay forward(config_, initial, {start, origin_ns});
     for (const FrameConstPtr& frame : frames) {
       if (frame->mid_exposure_ns <= origin_ns) continue;
       auto tracked = std::make_shared<TrackedFrame>(forward.track(*reference, frame));
@@ -78,24 +81,25 @@ class Mapper::Impl {
     }
     if (map_->has(first_keyframe)) {
       const std::shared_ptr<Reference> first = map_->makeReference(first_keyframe);
-      Replay backward(config_, initial, still, origin_ns);
+      Replay backward(config_, initial, {start, origin_ns});
       for (auto it = frames.rbegin(); it != frames.rend(); ++it) {
         if ((*it)->mid_exposure_ns >= origin_ns) continue;
         const TrackedFrame tracked = backward.track(*first, *it);
         if (tracked.tracked()) store_.addFrame(tracked);
       }
     }
-    last_ = {0, forward.lastNs(), forward.last()};
-    last_keyframe_ = reference->id.keyframe_id;
-    reference->hint = last_;
+    reference->hint = TrackingHint{0, forward.motion().lastNs(), forward.motion().last()};
     return publish(reference);
   }
 
-  /// The reference frame itself is tracked too: against its own image its mid pose is the identity.
-  void storeReferenceItself(Replay& replay, const Reference& reference, const FrameConstPtr& frame) {
-    TrackedFrame tracked = replay.track(reference, frame);
-    tracked.trajectory.T_reference_mid = SE3();
-    store_.addFrame(tracked);
+  static TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameConstPtr& frame,
+                                              const ExposureTrajectory& trajectory) {
+    auto tracked = std::make_shared<TrackedFrame>();
+    tracked->frame = frame;
+    tracked->status = TrackingStatus::kTracking;
+    tracked->reference = reference.id;
+    tracked->trajectory = trajectory;
+    return tracked;
   }
 
   MapperOutput refine(const TrackedFrameConstPtr& frame) {

@@ -18,6 +18,18 @@ float squaredGradient(const cv::Mat1f& image, int x, int y) {
   return gx * gx + gy * gy;
 }
 
+void readTarget(const PairGeometry& pair, const Eigen::Vector2i& centre, double inverse_depth,
+                const ResidualOptions& options, std::array<float, kMaxPatchPixels>& intensity) {
+  if (pair.commuted) {
+    pair.commuted->read(*pair.target_image, centre.cast<double>(), inverse_depth, pattern(), options.sample_spacing_px,
+                        options.max_samples, intensity);
+    return;
+  }
+  for (std::size_t k = 0; k < kResidualPixels; ++k) {
+    intensity[k] = pair.target_image->intensity(centre.y() + pattern().dy[k], centre.x() + pattern().dx[k]);
+  }
+}
+
 /// J^T S J for the first `Rows` image-gradient moments; sharp patches have no moments in u.
 template <int Rows>
 void assembleRows(const Eigen::Matrix<double, 7, 7>& sums, const PatchPath& path, ResidualSystem& system) {
@@ -57,6 +69,9 @@ PairGeometry makePairGeometry(const KeyframeState& host, const KeyframeState& ta
   const SE3 T_host_target = host.T_map_keyframe().inverse() * target.T_map_keyframe();
   const SE3 T_host_target_first = host.T_linear.inverse() * target.T_linear;
   pair.T_target_host = T_host_target.inverse();
+  if (reblur_targets && !host.image_xi.isZero(0.0)) {
+    pair.commuted.emplace(pair.host_image->camera, pair.target_image->camera, T_host_target, host.image_xi);
+  }
   pair.path = makePaths(T_host_target);
   if (!host.delta.head<6>().isZero(0.0) || !target.delta.head<6>().isZero(0.0)) {
     pair.first_path = makePaths(T_host_target_first);
@@ -84,12 +99,14 @@ void placePixels(const PairGeometry& pair, const Eigen::Vector2d& host_pixel, do
   if (!pair.target_image->camera.contains(projection, pattern().radius + 1.5)) return;
   residual.centre = projection.array().round().cast<int>();
   const cv::Mat1f& image = pair.target_image->intensity;
+  std::array<float, kMaxPatchPixels> intensity;
+  readTarget(pair, residual.centre, inverse_depth, options, intensity);
   const float c2 = options.gradient_constant * options.gradient_constant;
   float sum = 0.0F;
   for (std::size_t k = 0; k < kResidualPixels; ++k) {
     const int x = residual.centre.x() + pattern().dx[k];
     const int y = residual.centre.y() + pattern().dy[k];
-    residual.intensity[k] = image(y, x);
+    residual.intensity[k] = intensity[k];
     residual.weight[k] = c2 > 0.0F ? c2 / (c2 + squaredGradient(image, x, y)) : 1.0F;
     sum += residual.intensity[k] + residual.weight[k];
   }

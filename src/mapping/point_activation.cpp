@@ -11,7 +11,8 @@ constexpr double kMinDistance = 2.0;    // [px]
 constexpr double kMaxDistance = 30.0;   // [px]
 constexpr double kCertainSearch = 8.0;  // [px] a longer last search leaves the depth ambiguous
 constexpr double kMinQuality = 3.0;
-constexpr double kBorder = 5.0;             // [px]
+constexpr double kBorder = 5.0;  // [px]
+constexpr double kInitialRelativeSigma = 0.05;
 constexpr double kResidualVariance = 25.0;  // [grey levels^2]
 
 }  // namespace
@@ -56,8 +57,11 @@ std::vector<ReferencePoint> projectPoints(const Window& window, const PinholeCam
     if (!camera.contains(pixel, kBorder)) continue;
     const double inverse_depth = 1.0 / p.z();
     const double ratio = inverse_depth / point.inverse_depth;
-    const double variance = kResidualVariance * point.variance * ratio * ratio * ratio * ratio;
-    projected.push_back({pixel.cast<float>(), static_cast<float>(inverse_depth), static_cast<float>(variance)});
+    // A point without residuals knows its depth from initialisation only.
+    const double initial_sigma = kInitialRelativeSigma * point.inverse_depth;
+    const double variance = std::min(kResidualVariance * point.variance, initial_sigma * initial_sigma);
+    projected.push_back({pixel.cast<float>(), static_cast<float>(inverse_depth),
+                         static_cast<float>(variance * ratio * ratio * ratio * ratio)});
   }
   return projected;
 }

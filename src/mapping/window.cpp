@@ -82,6 +82,7 @@ void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
   added.id = keyframe.id;
   added.sharp = keyframe.sharp;
   added.original = keyframe.original;
+  added.image_xi = keyframe.image_xi;
   added.xi = keyframe.xi;
   added.T_linear = keyframe.T_map_keyframe;
   added.brightness_linear = keyframe.brightness;

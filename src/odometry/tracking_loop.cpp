@@ -1,17 +1,15 @@
 #include "mba_vo/odometry/tracking_loop.h"
 
-#include <algorithm>
 #include <deque>
 #include <optional>
 #include <utility>
 
-#include "mba_vo/tracking/motion_prior.h"
+#include "mba_vo/tracking/motion_state.h"
 
 namespace mba_vo {
 namespace {
 
-constexpr double kLongestPrediction = 0.15;  // [s] no velocity is trusted further ahead
-constexpr std::size_t kMaxWaiting = 20;      // frames kept for the first reference of a map
+constexpr std::size_t kMaxWaiting = 20;  // frames kept for the first reference of a map
 
 TrackedFrameConstPtr untracked(const FrameConstPtr& frame, TrackingStatus status, const std::string& reason) {
   auto tracked = std::make_shared<TrackedFrame>();
@@ -19,11 +17,6 @@ TrackedFrameConstPtr untracked(const FrameConstPtr& frame, TrackingStatus status
   tracked->status = status;
   tracked->reason = reason;
   return tracked;
-}
-
-/// True if the exposure is unknown, or the blur too short to measure a velocity by.
-bool velocityUnobserved(const TrackedFrame& tracked) {
-  return !tracked.frame->exposure || *tracked.frame->exposure <= 0.0 || tracked.xi_prior_limited;
 }
 
 }  // namespace
@@ -50,7 +43,7 @@ class TrackingLoop::Impl {
     std::vector<TrackedFrameConstPtr> late;
     if (!take(reference)) return late;
     for (const FrameConstPtr& frame : std::exchange(waiting_, {})) {
-      if (frame->mid_exposure_ns > last_ns_) late.push_back(track(frame));
+      if (frame->mid_exposure_ns > motion_.lastNs()) late.push_back(track(frame));
     }
     return late;
   }
@@ -69,18 +62,17 @@ class TrackingLoop::Impl {
 
  private:
   TrackedFrameConstPtr track(const FrameConstPtr& frame) {
-    MotionPrior prior;
-    prior.previous = last_;
-    prior.dt = std::clamp(1e-9 * static_cast<double>(frame->mid_exposure_ns - last_ns_), 0.0, kLongestPrediction);
-    TrackingGuess guess(prior, frame->exposure.value_or(tracker_config_.unknown_exposure));
+    TrackingGuess guess(motion_.priorAt(frame->mid_exposure_ns),
+                        frame->exposure.value_or(tracker_config_.unknown_exposure));
     guess.brightness = brightness_;
     auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
     if (!tracked->tracked()) {
       if (!lost_since_ns_) lost_since_ns_ = frame->mid_exposure_ns;
     } else {
       lost_since_ns_.reset();
-      updatePrior(*tracked);
-      T_odom_camera_ = T_odom_reference_ * last_.T_reference_mid;
+      motion_.update(*tracked);
+      brightness_ = tracked->brightness;
+      T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
       tracked->keyframe_requested = keyframe_policy_.takes(*reference_, *tracked);
     }
     return tracked;
@@ -94,12 +86,11 @@ class TrackingLoop::Impl {
   bool take(const ReferenceConstPtr& reference) {
     if (reference_ && reference_->id.map_id == reference->id.map_id) {
       const SE3 T_new_old = T_newReference_oldReference(*reference);
-      last_.T_reference_mid = T_new_old * last_.T_reference_mid;
+      motion_.changeReference(T_new_old);
       T_odom_reference_ = T_odom_reference_ * T_new_old.inverse();
     } else if (reference->hint) {
-      last_ = reference->hint->trajectory;
-      last_ns_ = reference->hint->mid_exposure_ns;
-      T_odom_reference_ = T_odom_camera_ * last_.T_reference_mid.inverse();
+      motion_ = {reference->hint->trajectory, reference->hint->mid_exposure_ns};
+      T_odom_reference_ = T_odom_camera_ * motion_.last().T_reference_mid.inverse();
       brightness_ = reference->brightness;
     } else {
       return false;
@@ -116,26 +107,13 @@ class TrackingLoop::Impl {
     return next.T_map_reference.inverse() * T_map_old;
   }
 
-  void updatePrior(const TrackedFrame& tracked) {
-    const double dt = 1e-9 * static_cast<double>(tracked.frame->mid_exposure_ns - last_ns_);
-    const SE3 T_previous_mid = last_.T_reference_mid;
-    last_ = tracked.trajectory;
-    // Where the exposure does not tell the velocity, the mean since the previous frame serves.
-    if (dt > 0.0 && dt < kLongestPrediction && velocityUnobserved(tracked)) {
-      last_.velocity = (T_previous_mid.inverse() * last_.T_reference_mid).log() / dt;
-    }
-    last_ns_ = tracked.frame->mid_exposure_ns;
-    brightness_ = tracked.brightness;
-  }
-
   TrackerConfig tracker_config_;
   Tracker tracker_;
   KeyframePolicy keyframe_policy_;
   double restart_after_lost_;  // [s]
   ReferenceConstPtr reference_;
   std::deque<FrameConstPtr> waiting_;
-  ExposureTrajectory last_;  // of the last tracked frame, relative to reference_
-  std::int64_t last_ns_ = 0;
+  MotionState motion_;  // relative to reference_
   std::optional<std::int64_t> lost_since_ns_;
   AffineBrightness brightness_;
   SE3 T_odom_camera_;

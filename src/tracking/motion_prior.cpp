@@ -16,6 +16,15 @@ ExposureTrajectory MotionPrior::predict(double exposure) const {
   return {previous.T_reference_mid * SE3::exp(dt * previous.velocity), previous.velocity, exposure};
 }
 
+std::vector<SE3> MotionPrior::alternatives() const {
+  const Vector6 motion = dt * previous.velocity;
+  std::vector<SE3> poses = {previous.T_reference_mid * SE3::exp(motion + 0.5 * dt * dt * acceleration)};
+  for (const double factor : {0.5, 0.0, 2.0, -1.0}) {
+    poses.push_back(previous.T_reference_mid * SE3::exp(factor * motion));
+  }
+  return poses;
+}
+
 Vector6 MotionPrior::expectedXi(const SE3& T_reference_mid, double exposure) const {
   const Vector6 mean_velocity = (previous.T_reference_mid.inverse() * T_reference_mid).log() / dt;
   return exposure * (2.0 * mean_velocity - previous.velocity);

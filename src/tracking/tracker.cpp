@@ -15,12 +15,14 @@ namespace mba_vo {
 namespace {
 
 constexpr int kStartIterations = 6;         // spent on each alternative start on the coarsest level
+constexpr std::size_t kFinerStarts = 3;     // compared again on the next level
+constexpr double kSameBasin = 2.0;          // [px] results nearer than this are one
 constexpr double kLeastBlurToSeed = 0.5;    // [px] shorter motion gives no direction to descend along
 constexpr double kObservableBlur = 3.0;     // [px] below it the covariance of xi means nothing
 constexpr double kCorrelatedPixels = 20.0;  // pixels per independent observation: model errors are shared in a patch
 
 /// Coarse levels see less detail per patch, and 9x9 pixels there span too much depth.
-int patchSide(int level) { return level <= 1 ? 9 : level == 2 ? 7 : 5; }
+int patchSide(int level) { return level <= 1 ? 9 : 7; }
 
 /// A direction to descend along where none is known: at xi = 0 the derivative of the blur vanishes.
 Vector6 seededXi(const Vector6& xi, double fx) {
@@ -91,27 +93,47 @@ Tracker::LevelResult Tracker::align(const Reference& reference, const Frame& fra
   return result;
 }
 
-AlignmentState Tracker::bestStart(const Reference& reference, const Frame& frame, const TrackingGuess& guess,
-                                  int level) const {
+std::vector<AlignmentState> Tracker::starts(const Reference& reference, const TrackingGuess& guess) const {
   const double fx = reference.pyramid->level(0).camera.fx;
-  const bool blurred = guess.trajectory.exposure > 0.0;
+  const double exposure = guess.trajectory.exposure;
   AlignmentState first;
   first.T_reference_mid = guess.trajectory.T_reference_mid;
-  first.xi = blurred ? seededXi(guess.trajectory.xi(), fx) : Vector6::Zero();
+  first.xi = exposure > 0.0 ? seededXi(guess.trajectory.xi(), fx) : Vector6::Zero();
   first.a = guess.brightness.a - reference.brightness.a;
   first.b = guess.brightness.b - std::exp(first.a) * reference.brightness.b;
-  LevelResult best = align(reference, frame, guess, level, first, config_.max_iterations);
-  if (!guess.motion) return best.minimum.state;
-  // Half, no, double and reversed motion since the previous frame.
-  for (const double factor : {0.0, 0.5, 2.0, -1.0}) {
-    const MotionPrior& motion = *guess.motion;
+  std::vector<AlignmentState> starts = {first};
+  if (!guess.motion || guess.motion->dt == 0.0) return starts;
+  for (const SE3& pose : guess.motion->alternatives()) {
     AlignmentState start = first;
-    start.T_reference_mid = motion.previous.T_reference_mid * SE3::exp(factor * motion.dt * motion.previous.velocity);
-    if (blurred) start.xi = seededXi(motion.expectedXi(start.T_reference_mid, guess.trajectory.exposure), fx);
-    const LevelResult result = align(reference, frame, guess, level, start, kStartIterations);
-    if (result.patches >= best.patches / 2 && result.meanCost() < best.meanCost()) best = result;
+    start.T_reference_mid = pose;
+    if (exposure > 0.0) start.xi = seededXi(guess.motion->expectedXi(pose, exposure), fx);
+    starts.push_back(start);
   }
-  return best.minimum.state;
+  return starts;
+}
+
+AlignmentState Tracker::bestStart(const Reference& reference, const Frame& frame, const TrackingGuess& guess,
+                                  int level) const {
+  std::vector<LevelResult> coarse;
+  for (const AlignmentState& start : starts(reference, guess)) {
+    coarse.push_back(align(reference, frame, guess, level, start, kStartIterations));
+  }
+  // The coarsest level tells little: the best few are compared again one level finer, if they differ there.
+  std::sort(coarse.begin(), coarse.end(), [](const auto& l, const auto& r) { return l.meanCost() < r.meanCost(); });
+  const double fx = reference.pyramid->level(0).camera.fx;
+  std::vector<LevelResult> finer;
+  for (const LevelResult& candidate : coarse) {
+    if (finer.size() >= kFinerStarts || candidate.patches < coarse.front().patches / 2) continue;
+    LevelResult result =
+        align(reference, frame, guess, std::max(level - 1, 0), candidate.minimum.state, kStartIterations);
+    const auto same = [&](const LevelResult& other) {
+      const SE3 between = other.minimum.state.T_reference_mid.inverse() * result.minimum.state.T_reference_mid;
+      return fx * between.log().tail<3>().norm() < kSameBasin;
+    };
+    if (std::none_of(finer.begin(), finer.end(), same)) finer.push_back(result);
+  }
+  const auto better = [](const auto& l, const auto& r) { return l.meanCost() < r.meanCost(); };
+  return std::min_element(finer.begin(), finer.end(), better)->minimum.state;
 }
 
 Tracker::LevelResult Tracker::preferExpectedDirection(const Reference& reference, const Frame& frame,

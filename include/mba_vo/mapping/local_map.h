@@ -22,8 +22,10 @@ struct MapPoint {
 /// One map from its initialisation on: the window of keyframes with their active and immature points.
 class LocalMap {
  public:
-  /// Begins with the initial map's reference as first keyframe at the origin of the map.
-  LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, TrajectoryStore& store);
+  /// Begins with the initial map's reference, moving at `reference_velocity`, as first keyframe at the origin of the
+  /// map.
+  LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, const Vector6& reference_velocity,
+           TrajectoryStore& store);
 
   MapId id() const { return id_; }
   bool has(KeyframeId keyframe) const { return keyframes_.count(keyframe) > 0; }

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "mba_vo/blur/commuted_blur.h"
 #include "mba_vo/blur/patch_path.h"
 #include "mba_vo/mapping/window_state.h"
 
@@ -21,6 +22,7 @@ struct PairGeometry {
   SE3 T_target_host;
   std::optional<PatchPathMaker> path;        // at the current state, with the target's motion
   std::optional<PatchPathMaker> first_path;  // at the linearisation points, if they differ
+  std::optional<CommutedBlur> commuted;      // if the host's image is itself blurred
   bool blurred = false;
   float gain = 1.0F;                 // exp(a_target - a_host)
   float offset_host = 0.0F;          // b_host

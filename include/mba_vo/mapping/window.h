@@ -50,7 +50,8 @@ struct WindowKeyframe {
   std::shared_ptr<const ImagePyramid> sharp;     // used as host image
   std::shared_ptr<const ImagePyramid> original;  // used as target image
   SE3 T_map_keyframe;
-  Vector6 xi = Vector6::Zero();  // motion within its exposure, camera frame
+  Vector6 xi = Vector6::Zero();        // motion within its exposure, camera frame
+  Vector6 image_xi = Vector6::Zero();  // motion blur left in `sharp`, 0 = none [m, rad]
   AffineBrightness brightness;
 };
 

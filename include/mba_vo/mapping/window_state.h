@@ -24,6 +24,7 @@ struct KeyframeState {
   std::shared_ptr<const ImagePyramid> sharp;
   std::shared_ptr<const ImagePyramid> original;
   Vector6 xi = Vector6::Zero();
+  Vector6 image_xi = Vector6::Zero();  // motion blur left in `sharp`, 0 = none [m, rad]
   SE3 T_linear;
   AffineBrightness brightness_linear;
   Vector8 delta = Vector8::Zero();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "mba_vo/geometry/exposure_trajectory.h"
 
 namespace mba_vo {
@@ -18,11 +20,14 @@ struct MotionPriorConfig {
 
 /// What is known about the motion before a frame is looked at: the previous frame's pose and velocity.
 struct MotionPrior {
-  ExposureTrajectory previous;  // relative to the reference of the coming alignment
-  double dt = 0.0;              // from the previous mid-exposure to this one [s]
+  ExposureTrajectory previous;             // relative to the reference of the coming alignment
+  Vector6 acceleration = Vector6::Zero();  // at the previous frame, body frame [m/s^2, rad/s^2]
+  double dt = 0.0;                         // from the previous mid-exposure to this one [s]
 
   /// Constant velocity over dt.
   ExposureTrajectory predict(double exposure) const;
+  /// Other poses from which to begin: constant acceleration, half, no, double and reversed motion.
+  std::vector<SE3> alternatives() const;
 
   /// Motion within an exposure of this frame, given its mid pose. By the trapezoid rule the mean velocity between the
   /// two frames is the mean of their velocities, which also tells the sign at a reversal.

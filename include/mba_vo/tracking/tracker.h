@@ -60,6 +60,7 @@ class Tracker {
 
  private:
   struct LevelResult;
+  std::vector<AlignmentState> starts(const Reference& reference, const TrackingGuess& guess) const;
   AlignmentState bestStart(const Reference& reference, const Frame& frame, const TrackingGuess& guess, int level) const;
   LevelResult align(const Reference& reference, const Frame& frame, const TrackingGuess& guess, int level,
                     const AlignmentState& initial, int max_iterations) const;
