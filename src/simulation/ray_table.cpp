@@ -43,7 +43,8 @@ class RaySolver {
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       if (cv::norm(back[i] - pixels[i]) < kLargestRoundTrip) continue;
       throw std::invalid_argument("distortion: cannot be undone at pixel (" + std::to_string(pixels[i].x) + ", " +
-                                  std::to_string(pixels[i].y) + "); every pixel must see one ray before the camera");
+                                  std::to_string(pixels[i].y) +
+                                  "); every pixel must see one ray less than 90 degrees off the axis");
     }
   }
 
