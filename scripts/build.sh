@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# Installs the dependencies and builds everything into build/ and devel/.
+#
+#   scripts/build.sh [--no-install] [CMAKE OPTION...]
+#
+#   --no-install   the dependencies are there already
+#
+# MBA_VO_JOBS: compilers at a time (all cores).
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+if [ "${1:-}" = --no-install ]; then
+  shift
+else
+  scripts/install_dependencies.sh
+fi
+if command -v ccache >/dev/null; then set -- -DCMAKE_CXX_COMPILER_LAUNCHER=ccache "$@"; fi
+cmake -S . -B build "$@"
+cmake --build build -j "${MBA_VO_JOBS:-$(nproc)}"

@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# Builds everything and runs all tests: unit tests, end-to-end tests, and tests of the nodes with their own ROS master.
+#
+#   scripts/test.sh [--no-install]      --no-install: the dependencies are there already
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+scripts/build.sh "$@" -DMBA_VO_TESTS=ON
+# One at a time: the tests that play a bag do so at real speed.
+ctest --test-dir build --output-on-failure
