@@ -37,7 +37,7 @@ void addMonitor(RoomBuilder& room, const Place& foot) {
   const Place screen = foot.at(0.0, 0.017, 0.29);
   const Eigen::Vector3d normal = foot.at(0.0, 1.0, 0.0).origin - foot.origin;
   room.addRectangle(screen.origin, normal, -Eigen::Vector3d::UnitZ(), 0.52, 0.3,
-                    {room.chance(0.5) ? Pattern::kPage : Pattern::kPicture, 0.001, true, 1.2});
+                    {room.chance(0.5) ? Pattern::kPage : Pattern::kPicture, 0.001, true, 0.9});
 }
 
 }  // namespace
@@ -168,7 +168,7 @@ void addWindow(RoomBuilder& room, const Place& place) {
   const double height = 1.1;
   const Eigen::Vector3d normal = place.at(0.0, 1.0, 0.0).origin - place.origin;
   room.addRectangle(place.at(0.0, 0.01, 0.0).origin, normal, -Eigen::Vector3d::UnitZ(), width, height,
-                    {Pattern::kPicture, 0.001, true, 1.7});
+                    {Pattern::kPicture, 0.001, true, 1.1});
   for (const double x : {-0.5, 0.0, 0.5}) {
     room.addBox(place.at(x * width, 0.03, -0.5 * height), {0.06, 0.06, height}, wood(1.3));
   }

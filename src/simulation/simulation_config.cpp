@@ -8,7 +8,7 @@ namespace mba_vo {
 namespace {
 
 /// Raise it with every change of the renderer, the scenes or the motion that changes images.
-constexpr int kRendererVersion = 4;
+constexpr int kRendererVersion = 5;
 
 struct RangeCheck {
   template <typename T>

@@ -52,16 +52,18 @@ cv::Mat1f paintWood(int side, cv::RNG& random) {
 cv::Mat1f paintFabric(int side, cv::RNG& random) {
   const cv::Mat1f folds = fractalNoise(side, {5, 5}, 5, 0.65, random);
   const int threads = random.uniform(24, 40);
-  const int stripes = random.uniform(3, 7);
+  // Bands of uneven widths and tones: even ones would look alike from one to the next.
+  const cv::Mat1f bands_x = fractalNoise(side, {13, 1}, 2, 0.6, random);
+  const cv::Mat1f bands_y = fractalNoise(side, {11, 1}, 2, 0.6, random);
   cv::Mat1f fabric(side, side);
   for (int y = 0; y < side; ++y) {
     for (int x = 0; x < side; ++x) {
       const double u = static_cast<double>(x) / side;
       const double v = static_cast<double>(y) / side;
       const double weave = std::sin(2.0 * CV_PI * threads * u) * std::sin(2.0 * CV_PI * threads * v);
-      const double stripe = std::tanh(3.0 * std::sin(2.0 * CV_PI * stripes * u)) +
-                            std::tanh(3.0 * std::sin(2.0 * CV_PI * stripes * v + 0.7));
-      fabric(y, x) = static_cast<float>(0.45 + 0.06 * weave + 0.11 * stripe + 0.12 * folds(y, x));
+      const double band =
+          std::tanh(2.5 * static_cast<double>(bands_x(0, x))) + std::tanh(2.5 * static_cast<double>(bands_y(0, y)));
+      fabric(y, x) = static_cast<float>(0.45 + 0.06 * weave + 0.11 * band + 0.12 * folds(y, x));
     }
   }
   return fabric;
