@@ -27,30 +27,35 @@ PlaneHit intersectPlane(const Eigen::Matrix3d& R, const Eigen::Vector3d& p, cons
   return hit;
 }
 
-/// d P / d offset of the blurred pixel, projected: columns are the images of one pixel step to the right and down.
-Eigen::Matrix2d warpJacobian(const PinholeCamera& reference_camera, const PinholeCamera& camera,
-                             const Eigen::Matrix3d& R, const PlaneHit& hit) {
+/// Derivative of the pixel in the reference for a shift of the camera, in camera axes: dP = (I - g e_z^T / g_z) R drho.
+using ShiftJacobian = Eigen::Matrix<double, 2, 3>;
+
+ShiftJacobian shiftJacobian(const PinholeCamera& reference_camera, const Eigen::Matrix3d& R, const PlaneHit& hit) {
   const Eigen::Matrix<double, 2, 3> J_projection = reference_camera.projectionJacobian(hit.P);
-  // dP = s (I - g e_z^T / g_z) dg
-  const auto along = [&](const Eigen::Vector3d& dg) -> Eigen::Vector2d {
-    return J_projection * (hit.s * (dg - hit.g * (dg.z() / hit.g.z())));
-  };
-  Eigen::Matrix2d A;
-  A.col(0) = along(R.col(0) / camera.fx);
-  A.col(1) = along(R.col(1) / camera.fy);
-  return A;
+  const Eigen::Vector2d along_ray = J_projection.lazyProduct(hit.g) / hit.g.z();
+  Eigen::Matrix<double, 2, 3> onto_plane = J_projection;
+  onto_plane.col(2) -= along_ray;
+  return onto_plane.lazyProduct(R);
 }
 
-PixelTransfer transferFromHit(const PinholeCamera& reference_camera, const Eigen::Matrix3d& R,
+/// Columns are the images of one pixel step to the right and down: the ray turns by R e / f, P moves by s times that.
+Eigen::Matrix2f warpJacobian(const PinholeCamera& camera, const ShiftJacobian& J_shift, double s) {
+  Eigen::Matrix2d A;
+  A << J_shift.col(0) * (s / camera.fx), J_shift.col(1) * (s / camera.fy);
+  return A.cast<float>();
+}
+
+PixelTransfer transferFromHit(const PinholeCamera& reference_camera, const ShiftJacobian& J_shift,
                               const Eigen::Vector3d& ray, double inverse_depth, const PlaneHit& hit) {
   PixelTransfer transfer;
   transfer.pixel = reference_camera.project(hit.P);
-  const Eigen::Matrix<double, 2, 3> J_projection = reference_camera.projectionJacobian(hit.P);
-  Eigen::Matrix<double, 3, 6> J_point;
-  J_point << R, -hit.s * R * hat(ray);
-  const Eigen::Matrix3d onto_plane = Eigen::Matrix3d::Identity() - hit.g * Eigen::RowVector3d::UnitZ() / hit.g.z();
-  transfer.J_pose = J_projection * onto_plane * J_point;
-  transfer.J_inverse_depth = J_projection * hit.g * (-1.0 / (hit.g.z() * inverse_depth * inverse_depth));
+  transfer.J_pose.leftCols<3>() = J_shift;
+  // -s J_shift [ray]_x, row by row: v^T [r]_x = -(r x v)^T.
+  for (int row = 0; row < 2; ++row) {
+    transfer.J_pose.block<1, 3>(row, 3) = hit.s * ray.cross(J_shift.row(row).transpose()).transpose();
+  }
+  const Eigen::Vector2d along_ray = reference_camera.projectionJacobian(hit.P).lazyProduct(hit.g) / hit.g.z();
+  transfer.J_inverse_depth = along_ray / (-inverse_depth * inverse_depth);
   transfer.valid = true;
   return transfer;
 }
@@ -63,7 +68,7 @@ PixelTransfer transferPixel(const PinholeCamera& reference_camera, const Pinhole
   const Eigen::Matrix3d R = T_reference_camera.rotationMatrix();
   const PlaneHit hit = intersectPlane(R, T_reference_camera.translation(), ray, 1.0 / inverse_depth);
   if (!hit.valid) return {};
-  return transferFromHit(reference_camera, R, ray, inverse_depth, hit);
+  return transferFromHit(reference_camera, shiftJacobian(reference_camera, R, hit), ray, inverse_depth, hit);
 }
 
 float PatchPath::length() const { return c1.norm(); }
@@ -91,11 +96,12 @@ bool PatchPathMaker::make(const Eigen::Vector2d& pixel, double inverse_depth, Pa
   const double depth = 1.0 / inverse_depth;
   const PlaneHit mid = intersectPlane(mid_.R, mid_.p, ray, depth);
   if (!mid.valid) return false;
-  const PixelTransfer at_mid = transferFromHit(reference_camera_, mid_.R, ray, inverse_depth, mid);
+  const ShiftJacobian J_mid = shiftJacobian(reference_camera_, mid_.R, mid);
+  const PixelTransfer at_mid = transferFromHit(reference_camera_, J_mid, ray, inverse_depth, mid);
   path.c0 = at_mid.pixel.cast<float>();
   path.c1.setZero();
   path.c2.setZero();
-  path.A0 = warpJacobian(reference_camera_, camera_, mid_.R, mid).cast<float>();
+  path.A0 = warpJacobian(camera_, J_mid, mid.s);
   path.A1.setZero();
   path.J_pose = {at_mid.J_pose, Matrix26::Zero()};
   path.J_xi = {at_mid.J_pose, Matrix26::Zero()};
@@ -105,16 +111,16 @@ bool PatchPathMaker::make(const Eigen::Vector2d& pixel, double inverse_depth, Pa
   const PlaneHit start = intersectPlane(start_.R, start_.p, ray, depth);
   const PlaneHit end = intersectPlane(end_.R, end_.p, ray, depth);
   if (!start.valid || !end.valid) return false;
-  const PixelTransfer at_start = transferFromHit(reference_camera_, start_.R, ray, inverse_depth, start);
-  const PixelTransfer at_end = transferFromHit(reference_camera_, end_.R, ray, inverse_depth, end);
+  const ShiftJacobian J_start = shiftJacobian(reference_camera_, start_.R, start);
+  const ShiftJacobian J_end = shiftJacobian(reference_camera_, end_.R, end);
+  const PixelTransfer at_start = transferFromHit(reference_camera_, J_start, ray, inverse_depth, start);
+  const PixelTransfer at_end = transferFromHit(reference_camera_, J_end, ray, inverse_depth, end);
   path.c1 = (at_end.pixel - at_start.pixel).cast<float>();
   path.c2 = (2.0 * (at_start.pixel + at_end.pixel) - 4.0 * at_mid.pixel).cast<float>();
-  path.A1 = (warpJacobian(reference_camera_, camera_, end_.R, end) -
-             warpJacobian(reference_camera_, camera_, start_.R, start))
-                .cast<float>();
-  path.J_pose[1] = at_end.J_pose * end_.pose_factor - at_start.J_pose * start_.pose_factor;
-  const Matrix26 J_xi_start = at_start.J_pose * start_.xi_factor;
-  const Matrix26 J_xi_end = at_end.J_pose * end_.xi_factor;
+  path.A1 = warpJacobian(camera_, J_end, end.s) - warpJacobian(camera_, J_start, start.s);
+  path.J_pose[1] = at_end.J_pose.lazyProduct(end_.pose_factor) - at_start.J_pose.lazyProduct(start_.pose_factor);
+  const Matrix26 J_xi_start = at_start.J_pose.lazyProduct(start_.xi_factor);
+  const Matrix26 J_xi_end = at_end.J_pose.lazyProduct(end_.xi_factor);
   path.J_xi = {0.5 * (J_xi_start + J_xi_end), J_xi_end - J_xi_start};
   path.J_inverse_depth[1] = at_end.J_inverse_depth - at_start.J_inverse_depth;
   return true;

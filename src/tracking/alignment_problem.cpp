@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mba_vo/blur/commuted_blur.h"
+#include "mba_vo/tracking/patch_sums.h"
 
 namespace mba_vo {
 namespace {
@@ -11,24 +12,53 @@ namespace {
 constexpr double kReselectShift = 1.0;  // [px] mean motion of the points after which the patches are chosen anew
 constexpr double kBrightnessGainSigma = 1.0;
 constexpr double kBrightnessOffsetSigma = 50.0;  // [grey levels]
-// Per pixel: gradient moments (6), predicted intensity, one.
-constexpr int kMoments = 8;
 
-using MomentMatrix = Eigen::Matrix<float, kMoments, kMaxPatchPixels>;
+/// Adds the quadratic model of one patch. Residual = B - (e^a Bhat + b), so its Jacobian is minus the moments times
+/// these: J_pose on the moments gx..ugy, J_xi on ugx..uugy, both times the gain; the gain itself for a, one for b.
+void addToEquations(const PatchSums& sums, const PatchPath& path, double gain, bool moving,
+                    NormalEquations<AlignmentProblem::kStates>& equations) {
+  const Eigen::Vector2d brightness(gain, 1.0);
+  const Eigen::Matrix2d brightness_moments =
+      brightness.asDiagonal() * sums.moments.bottomRightCorner<2, 2>() * brightness.asDiagonal();
+  equations.hessian.bottomRightCorner<2, 2>() += brightness_moments;
+  equations.gradient.tail<2>() -= brightness.cwiseProduct(sums.residuals.tail<2>());
+  if (!moving) {
+    const Matrix26 J = gain * path.J_pose[0];
+    const Eigen::Matrix<double, 6, 2> Jt_M = J.transpose().lazyProduct(sums.moments.topLeftCorner<2, 2>());
+    equations.hessian.topLeftCorner<6, 6>() += Jt_M.lazyProduct(J);
+    equations.hessian.topRightCorner<6, 2>() +=
+        J.transpose().lazyProduct(sums.moments.block<2, 2>(0, 6)) * brightness.asDiagonal();
+    equations.gradient.head<6>() -= J.transpose().lazyProduct(sums.residuals.head<2>());
+    return;
+  }
+  Eigen::Matrix<double, 4, 6> J_pose, J_xi;
+  J_pose << gain * path.J_pose[0], gain * path.J_pose[1];
+  J_xi << gain * path.J_xi[0], gain * path.J_xi[1];
+  const Eigen::Matrix<double, 6, 4> pose_M = J_pose.transpose().lazyProduct(sums.moments.block<4, 4>(0, 0));
+  const Eigen::Matrix<double, 6, 4> pose_M_xi = J_pose.transpose().lazyProduct(sums.moments.block<4, 4>(0, 2));
+  const Eigen::Matrix<double, 6, 4> xi_M = J_xi.transpose().lazyProduct(sums.moments.block<4, 4>(2, 2));
+  equations.hessian.block<6, 6>(0, 0) += pose_M.lazyProduct(J_pose);
+  equations.hessian.block<6, 6>(0, 6) += pose_M_xi.lazyProduct(J_xi);
+  equations.hessian.block<6, 6>(6, 6) += xi_M.lazyProduct(J_xi);
+  equations.hessian.block<6, 2>(0, 12) +=
+      J_pose.transpose().lazyProduct(sums.moments.block<4, 2>(0, 6)) * brightness.asDiagonal();
+  equations.hessian.block<6, 2>(6, 12) +=
+      J_xi.transpose().lazyProduct(sums.moments.block<4, 2>(2, 6)) * brightness.asDiagonal();
+  equations.gradient.segment<6>(0) -= J_pose.transpose().lazyProduct(sums.residuals.segment<4>(0));
+  equations.gradient.segment<6>(6) -= J_xi.transpose().lazyProduct(sums.residuals.segment<4>(2));
+}
 
 }  // namespace
 
 class AlignmentProblem::Sums {
  public:
-  void add(double residual, double weight, double threshold) {
-    ++pixels_;
-    weighted_squares_ += weight * residual * residual;
-    if (std::abs(residual) <= threshold) {
-      ++inliers_;
-      inlier_squares_ += residual * residual;
-    }
+  void add(const PatchSums& sums) {
+    patches_ += sums.pixels > 0 ? 1 : 0;
+    pixels_ += sums.pixels;
+    inliers_ += sums.inliers;
+    weighted_squares_ += sums.weighted_squares;
+    inlier_squares_ += sums.inlier_squares;
   }
-  void addPatch() { ++patches_; }
   void expect(int pixels) { expected_ += pixels; }
 
   AlignmentStatistics statistics() const {
@@ -123,6 +153,7 @@ double AlignmentProblem::stepSize(const Step& step) const {
 void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker, const AlignmentState& state,
                                 NormalEquations<kStates>& equations, Sums& sums) const {
   const int size = pattern_.size;
+  const bool moving = options_.estimate_xi;
   sums.expect(size);
   // A pixel that leaves the reference costs as much as one at the edge of being an outlier: leaving never pays.
   const double cost_of_leaving = loss_.cost(loss_.threshold());
@@ -135,53 +166,18 @@ void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker,
   reblurPatch(reference_level_, path, pattern_,
               sampleCount(path.length(), static_cast<float>(options_.sample_spacing_px), options_.max_samples),
               predicted);
-  const auto gain = static_cast<float>(std::exp(state.a));
-  const auto offset = static_cast<float>(state.b);
-  const double noise2 = options_.depth_noise * options_.depth_noise;
   const auto sigma = static_cast<float>(std::sqrt(patch.inverse_depth_variance));
-  const Eigen::Vector2f depth_effect = sigma * path.J_inverse_depth[0].cast<float>();
-
-  MomentMatrix moments = MomentMatrix::Zero();
-  MomentMatrix weighted = MomentMatrix::Zero();
-  Eigen::Matrix<float, kMaxPatchPixels, 1> residuals = Eigen::Matrix<float, kMaxPatchPixels, 1>::Zero();
-  double cost = 0.0;
-  bool any = false;
-  for (int k = 0; k < size; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    const float value = predicted.value[i];
-    const float residual = patch.intensity[i] - (gain * value + offset);
-    if (!std::isfinite(residual)) {
-      cost += cost_of_leaving;
-      continue;
-    }
-    any = true;
-    const double depth_noise = gain * (predicted.gx[i] * depth_effect.x() + predicted.gy[i] * depth_effect.y());
-    const double certainty = noise2 / (noise2 + depth_noise * depth_noise);
-    const double weight = certainty * loss_.weight(residual);
-    cost += certainty * loss_.cost(residual) + (1.0 - certainty) * cost_of_leaving;
-    sums.add(residual, weight, loss_.threshold());
-    moments.col(k) << predicted.gx[i], predicted.gy[i], predicted.ugx[i], predicted.ugy[i], predicted.uugx[i],
-        predicted.uugy[i], value, 1.0F;
-    weighted.col(k) = static_cast<float>(weight) * moments.col(k);
-    residuals(k) = residual;
-  }
-  equations.cost += cost;
-  if (!any) return;
-  sums.addPatch();
-
-  // Residual = B - (e^a Bhat + b), so its Jacobian is -K^T times the moments.
-  Eigen::Matrix<double, kMoments, kStates> K = Eigen::Matrix<double, kMoments, kStates>::Zero();
-  const double g = gain;
-  K.block<2, 6>(0, 0) = g * path.J_pose[0];
-  K.block<2, 6>(2, 0) = g * path.J_pose[1];
-  K.block<2, 6>(2, 6) = g * path.J_xi[0];
-  K.block<2, 6>(4, 6) = g * path.J_xi[1];
-  K(6, 12) = g;
-  K(7, 13) = 1.0;
-  const Eigen::Matrix<double, kMoments, kMoments> M = (weighted * moments.transpose()).cast<double>();
-  const Eigen::Matrix<double, kMoments, 1> v = (weighted * residuals).cast<double>();
-  equations.hessian.noalias() += K.transpose() * (M * K);
-  equations.gradient.noalias() -= K.transpose() * v;
+  PatchWeighting weighting;
+  weighting.gain = static_cast<float>(std::exp(state.a));
+  weighting.offset = static_cast<float>(state.b);
+  weighting.huber_threshold = static_cast<float>(loss_.threshold());
+  weighting.noise = static_cast<float>(options_.depth_noise);
+  weighting.depth_x = sigma * static_cast<float>(path.J_inverse_depth[0].x());
+  weighting.depth_y = sigma * static_cast<float>(path.J_inverse_depth[0].y());
+  const PatchSums patch_sums = sumPatch(predicted, patch.intensity, size, moving, weighting);
+  sums.add(patch_sums);
+  equations.cost += patch_sums.cost;
+  if (patch_sums.pixels > 0) addToEquations(patch_sums, path, weighting.gain, moving, equations);
 }
 
 void AlignmentProblem::addPriors(const AlignmentState& state, NormalEquations<kStates>& equations) const {
@@ -202,6 +198,7 @@ NormalEquations<AlignmentProblem::kStates> AlignmentProblem::linearize(const Ali
   const PatchPathMaker maker(reference_level_.camera, frame_level_.camera, {state.T_reference_mid, state.xi, 1.0});
   for (const Patch& patch : patches_) addPatch(patch, maker, state, equations, sums);
   addPriors(state, equations);
+  equations.hessian.triangularView<Eigen::StrictlyLower>() = equations.hessian.transpose();
   if (!options_.estimate_xi) equations.fix(6, 6);
   statistics_ = sums.statistics();
   return equations;
