@@ -1,7 +1,37 @@
-# Tests of the ROS side. Plain ones need no master; each test/ros/<name>.test is run by rostest, which starts its own.
+# Tests of the ROS side. Plain ones need no master; the others are run by rostest, which starts its own.
 
 file(GLOB ros_unit_tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/*_test.cpp)
-if(ros_unit_tests)
-  mba_vo_test(mba_vo_ros_test SOURCES ${ros_unit_tests} DEPENDS mba_vo_ros)
-  mba_vo_ros_target(mba_vo_ros_test)
+mba_vo_test(mba_vo_ros_test SOURCES ${ros_unit_tests} DEPENDS mba_vo_ros)
+mba_vo_ros_target(mba_vo_ros_test)
+
+find_program(MBA_VO_ROSTEST rostest)
+if(NOT MBA_VO_ROSTEST)
+  message(STATUS "rostest not found: the tests with a ROS master are left out")
+  return()
 endif()
+
+set(ros_test_folder ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/rostest)
+set(ros_test_environment
+  "ROS_IP=127.0.0.1"
+  "ROS_HOME=${CMAKE_CURRENT_BINARY_DIR}/ros_home"
+  "ROS_PACKAGE_PATH=${CMAKE_CURRENT_SOURCE_DIR}:/usr/share:$ENV{ROS_PACKAGE_PATH}"
+  "CMAKE_PREFIX_PATH=${CATKIN_DEVEL_PREFIX}:$ENV{CMAKE_PREFIX_PATH}"
+  "LD_LIBRARY_PATH=${CATKIN_DEVEL_PREFIX}/lib:$ENV{LD_LIBRARY_PATH}"
+  "PYTHONPATH=${CATKIN_DEVEL_PREFIX}/${PYTHON_INSTALL_DIR}:$ENV{PYTHONPATH}")
+
+# Builds test/ros/rostest/<name>_test.cpp as the node mba_vo_<name>_test and runs <name>.test with it.
+function(mba_vo_rostest name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPENDS;ARGS" ${ARGN})
+  set(node mba_vo_${name}_test)
+  add_executable(${node} ${ros_test_folder}/${name}_test.cpp ${ros_test_folder}/live_odometry.cpp ${ARG_SOURCES})
+  mba_vo_ros_target(${node})
+  target_link_libraries(${node} PRIVATE mba_vo_ros ${ARG_DEPENDS} GTest::gtest)
+  add_dependencies(${node} mba_vo_nodelets)
+  add_test(NAME mba_vo_rostest_${name} COMMAND ${PYTHON_EXECUTABLE} ${MBA_VO_ROSTEST} --text
+    ${ros_test_folder}/${name}.test ${ARG_ARGS})
+  set_tests_properties(mba_vo_rostest_${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT "${ros_test_environment}")
+endfunction()
+
+mba_vo_rostest(bad_input TIMEOUT 320)
+mba_vo_rostest(play_bag TIMEOUT 520 SOURCES ${ros_test_folder}/demo_sequence.cpp DEPENDS mba_vo_evaluation
+  ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)

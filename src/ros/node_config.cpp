@@ -13,7 +13,7 @@ namespace {
 
 /// Sub-namespaces of nodes, not of options.
 const std::set<std::string>& foreignNamespaces() {
-  static const std::set<std::string> kNames = {"manager", "tracking", "mapping"};
+  static const std::set<std::string> kNames = {"manager", "tracking", "mapping", "player"};
   return kNames;
 }
 

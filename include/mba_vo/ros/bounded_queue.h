@@ -17,7 +17,7 @@ template <typename Item>
 class BoundedQueue {
  public:
   using Size = std::function<std::size_t(const Item&)>;                      // [bytes]
-  using ChooseVictim = std::function<std::size_t(const std::deque<Item>&)>;  // index of the item to shed
+  using ChooseVictim = std::function<std::size_t(const std::deque<Item>&)>;  // what to shed; the newest = nothing
 
   BoundedQueue(std::size_t max_bytes, Size size, ChooseVictim choose_victim)
       : max_bytes_(max_bytes), size_(std::move(size)), choose_victim_(std::move(choose_victim)) {}
@@ -29,8 +29,12 @@ class BoundedQueue {
       const std::lock_guard<std::mutex> lock(mutex_);
       bytes_ += size_(item);
       items_.push_back(std::move(item));
-      while (bytes_ > max_bytes_ && items_.size() > 1) {
-        const auto victim = items_.begin() + static_cast<std::ptrdiff_t>(choose_victim_(items_));
+      while (bytes_ > max_bytes_) {
+        const std::size_t index = choose_victim_(items_);
+        if (index + 1 >= items_.size()) {
+          break;
+        }
+        const auto victim = items_.begin() + static_cast<std::ptrdiff_t>(index);
         bytes_ -= size_(*victim);
         shed.push_back(std::move(*victim));
         items_.erase(victim);

@@ -1,0 +1,103 @@
+#include "live_odometry.h"
+
+#include <cstdlib>
+#include <stdexcept>
+
+#include <std_srvs/Empty.h>
+#include <std_srvs/Trigger.h>
+
+namespace mba_vo {
+
+LiveOdometry::LiveOdometry(const std::string& ns, const std::string& input) : nh_(ns), loader_(false) {
+  listen("odometry", &Outputs::odometry);
+  listen("pose", &Outputs::pose);
+  listen("exposure_motion", &Outputs::exposure_motion);
+  listen("status", &Outputs::status);
+  listen("mapper/status", &Outputs::mapper_status);
+  listen("path", &Outputs::path);
+  listen("points", &Outputs::points);
+  listen("keyframe/image", &Outputs::keyframe_image);
+  listen("tracked_frame", &Outputs::tracked_frame);
+  listen("reference", &Outputs::reference);
+  const boost::function<void(const tf2_msgs::TFMessageConstPtr&)> on_tf = [this](const auto& message) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    outputs_.transforms.insert(outputs_.transforms.end(), message->transforms.begin(), message->transforms.end());
+  };
+  subscribers_.push_back(nh_.subscribe<tf2_msgs::TFMessage>("/tf", 1000, on_tf));
+
+  const ros::M_string remappings = {{ns + "/image", input + "/image_raw"},
+                                    {ns + "/camera_info", input + "/camera_info"},
+                                    {ns + "/exposure", input + "/exposure"}};
+  if (!loader_.load(ns + "/mapping", "mba_vo/Mapper", remappings, {}) ||
+      !loader_.load(ns + "/tracking", "mba_vo/Tracker", remappings, {})) {
+    throw std::runtime_error("the nodelets cannot be loaded");
+  }
+}
+
+template <typename Message>
+void LiveOdometry::listen(const std::string& topic, std::vector<boost::shared_ptr<const Message>> Outputs::*list) {
+  const boost::function<void(const boost::shared_ptr<const Message>&)> callback = [this, list](const auto& message) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    (outputs_.*list).push_back(message);
+  };
+  subscribers_.push_back(nh_.subscribe<Message>(topic, 10000, callback));
+}
+
+Outputs LiveOdometry::outputs() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return outputs_;
+}
+
+Status LiveOdometry::status() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return outputs_.status.empty() ? Status() : *outputs_.status.back();
+}
+
+bool LiveOdometry::waitFor(const std::function<bool(const Outputs&)>& condition, double timeout) const {
+  const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(timeout);
+  while (ros::WallTime::now() < deadline) {
+    if (condition(outputs())) {
+      return true;
+    }
+    ros::WallDuration(0.05).sleep();
+  }
+  return false;
+}
+
+bool LiveOdometry::waitUntilDone(std::uint64_t images, double timeout) const {
+  return waitFor(
+      [images](const Outputs& outputs) {
+        if (outputs.status.empty() || outputs.mapper_status.empty()) {
+          return false;
+        }
+        const Status& tracker = *outputs.status.back();
+        const MapperStatus& mapper = *outputs.mapper_status.back();
+        return tracker.frames_in >= images && finishedImages(tracker) == tracker.frames_in &&
+               mapper.frames_in >= outputs.tracked_frame.size() &&
+               mapper.frames_processed + mapper.frames_shed == mapper.frames_in;
+      },
+      timeout);
+}
+
+bool LiveOdometry::reset() {
+  std_srvs::Empty service;
+  return ros::service::call(nh_.resolveName("reset"), service);
+}
+
+bool LiveOdometry::saveTrajectory() {
+  std_srvs::Trigger service;
+  return ros::service::call(nh_.resolveName("save_trajectory"), service) && service.response.success != 0;
+}
+
+std::uint64_t finishedImages(const Status& status) {
+  return status.frames_tracked + status.frames_degraded + status.frames_initializing + status.frames_lost +
+         status.frames_rejected + status.frames_shed;
+}
+
+bool playBag(const std::string& file, double rate) {
+  const std::string command =
+      "rosbag play --clock --quiet --delay=1 --rate=" + std::to_string(rate) + " '" + file + "' < /dev/null";
+  return std::system(command.c_str()) == 0;
+}
+
+}  // namespace mba_vo
