@@ -34,10 +34,7 @@ heading() { printf '\n== %s\n' "$*"; }
 heading "Building"
 if $rviz && [ ${#build_options[@]} -eq 0 ]; then scripts/install_dependencies.sh --with-rviz; fi
 scripts/build.sh "${build_options[@]}" -DMBA_VO_TESTS=OFF
-set +u
-# shellcheck source=/dev/null
-source devel/setup.bash
-set -u
+source scripts/environment.sh
 bin=devel/lib/mba_vo
 
 heading "Simulating a blurred sequence"
@@ -45,7 +42,6 @@ heading "Simulating a blurred sequence"
 
 heading "Playing it through the ROS nodes at real speed"
 rm -f "$output/trajectory.txt" "$output/exposure_trajectory.txt" "$output/trajectory.png"
-if [ -z "${ROS_MASTER_URI:-}" ]; then export ROS_IP=${ROS_IP:-127.0.0.1}; fi
 roslaunch mba_vo demo.launch bag:="$output/sequence.bag" output:="$output" rviz:=$rviz
 [ -s "$output/exposure_trajectory.txt" ] || { echo "demo.sh: the nodes wrote no trajectory" >&2; exit 1; }
 
