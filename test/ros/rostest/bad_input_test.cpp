@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <mba_vo/ExposureStamped.h>
 #include <sensor_msgs/CameraInfo.h>
+#include <boost/make_shared.hpp>
 
 #include "live_odometry.h"
 #include "mba_vo/ros/camera_info.h"
@@ -32,10 +33,14 @@ class BadInput : public testing::Test {
     parameters.setParam("exposure_wait", 0.2);
     parameters.setParam("publish_tf", false);
     odometry_ = std::make_unique<LiveOdometry>("/" + name_, "/" + name_ + "_camera");
+    waitForSubscribers(images_);
+    waitForSubscribers(infos_);
+    waitForSubscribers(exposures_);
+  }
+
+  static void waitForSubscribers(const ros::Publisher& publisher) {
     const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(kTimeout);
-    while (
-        (images_.getNumSubscribers() == 0 || infos_.getNumSubscribers() == 0 || exposures_.getNumSubscribers() == 0) &&
-        ros::WallTime::now() < deadline) {
+    while (publisher.getNumSubscribers() == 0 && ros::WallTime::now() < deadline) {
       ros::WallDuration(0.01).sleep();
     }
   }
@@ -53,16 +58,17 @@ class BadInput : public testing::Test {
 
   void sendImage(std::int64_t stamp_ns, const std::string& encoding = "mono8", unsigned width = 160,
                  unsigned bytes_per_pixel = 1) {
-    sensor_msgs::Image image;
-    image.header.stamp = toRosTime(stamp_ns);
-    image.header.frame_id = "camera";
-    image.header.seq = sequence_++;
-    image.encoding = encoding;
-    image.width = width;
-    image.height = 120;
-    image.step = width * bytes_per_pixel;
-    image.data.assign(image.step * image.height, 100);
-    images_.publish(image);
+    // Handed over as a pointer, the message keeps its sequence number; serialised, it would be given the next one.
+    const auto image = boost::make_shared<sensor_msgs::Image>();
+    image->header.stamp = toRosTime(stamp_ns);
+    image->header.frame_id = "camera";
+    image->header.seq = sequence_++;
+    image->encoding = encoding;
+    image->width = width;
+    image->height = 120;
+    image->step = width * bytes_per_pixel;
+    image->data.assign(image->step * image->height, 100);
+    images_.publish(sensor_msgs::ImageConstPtr(image));
     ++sent_;
   }
 
@@ -217,9 +223,7 @@ TEST_F(BadInput, NoImageForAWhile) {
 TEST_F(BadInput, SummaryFromAnotherProcessIsReportedAndNotUsed) {
   ros::NodeHandle nh("/" + name_);
   ros::Publisher frames = nh.advertise<TrackedFrameSummary>("tracked_frame", 10);
-  while (frames.getNumSubscribers() < 2) {  // the mapper's and this test's
-    ros::WallDuration(0.01).sleep();
-  }
+  waitForSubscribers(frames);
   frames.publish(TrackedFrameSummary());
   EXPECT_TRUE(odometry_->waitFor(
       [](const Outputs& o) {
