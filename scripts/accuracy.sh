@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# Runs mba_vo offline over the development sequences and prints one line of figures per run (docs/results.md).
+#
+#   scripts/accuracy.sh [--data DIR] [--output DIR] [--delay FRAMES] [--bin DIR] [RUN...]
+#
+#   --data DIR       folder with the sequences desk, shake and kitchen (../shared/data)
+#   --output DIR     folder for trajectories and plots (output/accuracy)
+#   --delay FRAMES   frames until a new keyframe is used: 0 (ideal), about 12 (as live)
+#   --bin DIR        folder of the programs (devel/lib/mba_vo)
+#   RUN              desk_sharp desk shake_sharp shake kitchen shake_no_blur_model (all of them)
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+data=../shared/data
+output=output/accuracy
+delay=0
+bin=devel/lib/mba_vo
+runs=()
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --data) data=${2:?--data needs a folder}; shift ;;
+    --output) output=${2:?--output needs a folder}; shift ;;
+    --delay) delay=${2:?--delay needs a number}; shift ;;
+    --bin) bin=${2:?--bin needs a folder}; shift ;;
+    -h | --help) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
+    *) runs+=("$1") ;;
+  esac
+  shift
+done
+if [ ${#runs[@]} -eq 0 ]; then runs=(desk_sharp desk shake_sharp shake kitchen shake_no_blur_model); fi
+
+# sequence, images and exposure of a run
+options() {
+  case "$1" in
+    desk_sharp) echo desk --images images_sharp --exposure 0 ;;
+    desk) echo desk ;;
+    shake_sharp) echo shake --images images_sharp --exposure 0 ;;
+    shake) echo shake ;;
+    kitchen) echo kitchen ;;
+    shake_no_blur_model) echo shake --exposure 0 ;;
+    *) echo "accuracy.sh: '$1': must be desk_sharp, desk, shake_sharp, shake, kitchen or shake_no_blur_model" >&2; exit 2 ;;
+  esac
+}
+
+source scripts/figures.sh
+print_header
+for run in "${runs[@]}"; do
+  arguments=$(options "$run")
+  read -r -a arguments <<<"$arguments"
+  run_and_print "$run" "$data/${arguments[0]}" "${arguments[@]:1}" --reference-delay "$delay"
+done
