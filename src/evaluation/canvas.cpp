@@ -22,6 +22,7 @@ class PngCanvas : public Canvas {
   void polyline(const std::vector<Eigen::Vector2d>& points, const Color& color, double width) override {
     constexpr int kFractionBits = 4;
     std::vector<cv::Point> vertices;
+    vertices.reserve(points.size());
     for (const Eigen::Vector2d& p : points) {
       vertices.emplace_back(cvRound(p.x() * (1 << kFractionBits)), cvRound(p.y() * (1 << kFractionBits)));
     }

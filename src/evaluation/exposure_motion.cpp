@@ -24,8 +24,10 @@ FlowField flowField(const ExposurePoses& poses, double scale) {
   const SE3 T_end_mid = T_start_end.inverse() * T_start_mid;
   FlowField field;
   for (int i = 0; i < kColumns * kRows; ++i) {
-    const Eigen::Vector2d pixel((i % kColumns + 0.5) * kCamera.width / kColumns - 0.5,
-                                (i / kColumns + 0.5) * kCamera.height / kRows - 0.5);
+    const int column = i % kColumns;
+    const int row = i / kColumns;
+    const Eigen::Vector2d pixel((column + 0.5) * kCamera.width / kColumns - 0.5,
+                                (row + 0.5) * kCamera.height / kRows - 0.5);
     const Eigen::Vector3d point = kDepth * kCamera.unproject(pixel);
     field.col(i) = kCamera.project(T_end_mid * point) - kCamera.project(T_start_mid * point);
   }
