@@ -2,6 +2,8 @@
 # Sourced by accuracy.sh and distortion.sh: runs mba_vo offline and prints one line of figures per run. Uses $bin, the
 # folder of the programs, and $output, the folder for trajectories and plots.
 
+: "${bin:?}" "${output:?}"
+
 # figure FILE REGEXP: the number that follows REGEXP in a YAML file
 figure() {
   awk -v regexp="$2 *" 'match($0, regexp) { print 0 + substr($0, RSTART + RLENGTH); exit }' "$1"
