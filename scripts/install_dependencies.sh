@@ -10,7 +10,7 @@ set -euo pipefail
 
 core=(
   cmake g++ make
-  libcli11-dev libeigen3-dev libgtest-dev libopencv-dev libsuitesparse-dev libtbb-dev libyaml-cpp-dev
+  libcli11-dev libeigen3-dev libgmock-dev libgtest-dev libopencv-dev libsuitesparse-dev libtbb-dev libyaml-cpp-dev
 )
 ros=(
   # to build

@@ -230,6 +230,7 @@ std::vector<double> inverseDepthVariances(const Bundle& bundle) {
     }
   }
   std::vector<double> variances;
+  variances.reserve(information.size());
   for (const double i : information) variances.push_back(1.0 / i);
   return variances;
 }
