@@ -12,6 +12,7 @@ namespace mba_vo {
 namespace {
 
 constexpr int kLanes = 16;
+constexpr int kFewLanes = 8;  // for the sparse patterns of the window and the depth search
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 struct Offsets {
@@ -31,15 +32,16 @@ Placement placementAt(const PatchPath& path, float u) {
 }
 
 /// Sums over the samples of one block of pixels; small enough to stay in registers.
+template <int Lanes>
 struct BlockSums {
-  alignas(64) float value[kLanes] = {};
-  alignas(64) float gx[kLanes] = {};
-  alignas(64) float gy[kLanes] = {};
-  alignas(64) float ugx[kLanes] = {};
-  alignas(64) float ugy[kLanes] = {};
-  alignas(64) float uugx[kLanes] = {};
-  alignas(64) float uugy[kLanes] = {};
-  alignas(64) float outside[kLanes] = {};
+  alignas(64) float value[Lanes] = {};
+  alignas(64) float gx[Lanes] = {};
+  alignas(64) float gy[Lanes] = {};
+  alignas(64) float ugx[Lanes] = {};
+  alignas(64) float ugy[Lanes] = {};
+  alignas(64) float uugx[Lanes] = {};
+  alignas(64) float uugy[Lanes] = {};
+  alignas(64) float outside[Lanes] = {};
 };
 
 struct ImageView {
@@ -49,19 +51,20 @@ struct ImageView {
   float max_y;
 };
 
-/// Sums all samples of the kLanes pixels whose offsets begin at dx, dy.
-MBA_VO_MULTIVERSION
-void sumBlock(const ImageView& image, const Placement* placements, int samples, const float* __restrict dx,
-              const float* __restrict dy, BlockSums& __restrict out) {
-  BlockSums sum;
+/// Sums all samples of the `Lanes` pixels whose offsets begin at dx, dy. Inlined into each of the versions below.
+template <int Lanes>
+[[gnu::always_inline]] inline void sumLanes(const ImageView& image, const Placement* placements, int samples,
+                                            const float* __restrict dx, const float* __restrict dy,
+                                            BlockSums<Lanes>& __restrict out) {
+  BlockSums<Lanes> sum;
   const float* __restrict data = image.data;
   for (int i = 0; i < samples; ++i) {
     const Placement at = placements[i];
     const float u = at.u;
     const float uu = u * u;
-    alignas(64) int index[kLanes];
-    alignas(64) float fx[kLanes], fy[kLanes];
-    for (int k = 0; k < kLanes; ++k) {
+    alignas(64) int index[Lanes];
+    alignas(64) float fx[Lanes], fy[Lanes];
+    for (int k = 0; k < Lanes; ++k) {
       const float x = at.cx + at.a00 * dx[k] + at.a01 * dy[k];
       const float y = at.cy + at.a10 * dx[k] + at.a11 * dy[k];
       const float x_low = x > 0.0F ? x : 0.0F;
@@ -76,16 +79,16 @@ void sumBlock(const ImageView& image, const Placement* placements, int samples, 
       index[k] = iy * image.stride + ix;
     }
     // The four texels of each sample, as separate loads: gather instructions are no faster and not everywhere.
-    alignas(64) float i00[kLanes], i10[kLanes], i01[kLanes], i11[kLanes];
+    alignas(64) float i00[Lanes], i10[Lanes], i01[Lanes], i11[Lanes];
 #pragma GCC unroll 16
-    for (int k = 0; k < kLanes; ++k) {
+    for (int k = 0; k < Lanes; ++k) {
       const float* texel = data + index[k];
       i00[k] = texel[0];
       i10[k] = texel[1];
       i01[k] = texel[image.stride];
       i11[k] = texel[image.stride + 1];
     }
-    for (int k = 0; k < kLanes; ++k) {
+    for (int k = 0; k < Lanes; ++k) {
       const float upper = i10[k] - i00[k];
       const float lower = i11[k] - i01[k];
       const float top = i00[k] + fx[k] * upper;
@@ -103,6 +106,18 @@ void sumBlock(const ImageView& image, const Placement* placements, int samples, 
   out = sum;
 }
 
+MBA_VO_MULTIVERSION
+void sumBlock(const ImageView& image, const Placement* placements, int samples, const float* __restrict dx,
+              const float* __restrict dy, BlockSums<kLanes>& __restrict out) {
+  sumLanes<kLanes>(image, placements, samples, dx, dy, out);
+}
+
+MBA_VO_MULTIVERSION
+void sumFew(const ImageView& image, const Placement* placements, int samples, const float* __restrict dx,
+            const float* __restrict dy, BlockSums<kFewLanes>& __restrict out) {
+  sumLanes<kFewLanes>(image, placements, samples, dx, dy, out);
+}
+
 int roundUp(int n) { return (n + kLanes - 1) / kLanes * kLanes; }
 
 Offsets makeOffsets(const PatchPattern& pattern, int count) {
@@ -115,9 +130,10 @@ Offsets makeOffsets(const PatchPattern& pattern, int count) {
   return offsets;
 }
 
-void writeMeans(const BlockSums& sum, int first, int samples, ReblurredPatch& out) {
+template <int Lanes>
+void writeMeans(const BlockSums<Lanes>& sum, int first, int samples, ReblurredPatch& out) {
   const float scale = 1.0F / static_cast<float>(samples);
-  for (int k = 0; k < kLanes; ++k) {
+  for (int k = 0; k < Lanes; ++k) {
     const auto i = static_cast<std::size_t>(first + k);
     out.value[i] = sum.outside[k] > 0.0F ? kNaN : scale * sum.value[k];
     out.gx[i] = scale * sum.gx[k];
@@ -173,8 +189,14 @@ void reblurPatch(const ImageLevel& reference, const PatchPath& path, const Patch
   const ImageView image{reference.intensity[0], static_cast<int>(reference.intensity.step1()),
                         static_cast<float>(reference.intensity.cols) - 1.001F,
                         static_cast<float>(reference.intensity.rows) - 1.001F};
+  if (pattern.size <= kFewLanes) {
+    BlockSums<kFewLanes> sum;
+    sumFew(image, placements.data(), n, offsets.dx, offsets.dy, sum);
+    writeMeans(sum, 0, n, out);
+    return;
+  }
   for (int first = 0; first < count; first += kLanes) {
-    BlockSums sum;
+    BlockSums<kLanes> sum;
     sumBlock(image, placements.data(), n, offsets.dx + first, offsets.dy + first, sum);
     writeMeans(sum, first, n, out);
   }

@@ -17,7 +17,7 @@ void takeTracking(const TrackedFrame& tracked, FrameRecord& record) {
   record.status = toString(tracked.status);
   record.reason = tracked.reason;
   if (tracked.tracked()) {
-    record.blur_length_px = tracked.blur_length_px;
+    record.blur_length_px = tracked.measures.blur_length_px;
     record.points_used = tracked.points_used;
     record.residual_rms = tracked.residual_rms;
   }

@@ -109,7 +109,7 @@ KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const Vecto
   report.keyframe_id = newestKeyframe();
   report.frame_sequence = tracked.frame->sequence;
   report.mid_exposure_ns = tracked.frame->mid_exposure_ns;
-  report.blur_length_px = tracked.blur_length_px;
+  report.blur_length_px = tracked.measures.blur_length_px;
   report.points = static_cast<int>(window_.points().size());
   report.residuals = summary.residuals;
   report.rms = summary.rms;

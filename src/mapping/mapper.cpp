@@ -64,7 +64,8 @@ class Mapper::Impl {
                                  const std::vector<FrameConstPtr>& frames) {
     const std::int64_t origin_ns = initial.reference->mid_exposure_ns;
     const KeyframeId first_keyframe = map_->newestKeyframe();
-    std::shared_ptr<Reference> reference = map_->makeReference(first_keyframe);
+    reference_ = map_->makeReference(first_keyframe);
+    ReferenceConstPtr reference = reference_;
     const ExposureTrajectory start{SE3(), velocity,
                                    initial.reference->exposure.value_or(config_.tracker.unknown_exposure)};
     integrate(referenceItself(*reference, initial.reference, start));
@@ -73,11 +74,10 @@ class Mapper::Impl {
       if (frame->mid_exposure_ns <= origin_ns) continue;
       auto tracked = std::make_shared<TrackedFrame>(forward.track(*reference, frame));
       if (!tracked->tracked()) continue;
-      tracked->keyframe_requested = keyframe_policy_.takes(*reference, *tracked);
       if (!integrate(tracked)) continue;
-      const std::shared_ptr<Reference> next = map_->makeReference(map_->newestKeyframe());
-      forward.changeReference(next->T_map_reference.inverse() * next->T_map_keyframe.at(reference->id.keyframe_id));
-      reference = next;
+      forward.changeReference(reference_->T_map_reference.inverse() *
+                              reference_->T_map_keyframe.at(reference->id.keyframe_id));
+      reference = reference_;
     }
     if (map_->has(first_keyframe)) {
       const std::shared_ptr<Reference> first = map_->makeReference(first_keyframe);
@@ -88,8 +88,10 @@ class Mapper::Impl {
         if (tracked.tracked()) store_.addFrame(tracked);
       }
     }
-    reference->hint = TrackingHint{0, forward.motion().lastNs(), forward.motion().last()};
-    return publish(reference);
+    auto with_hint = std::make_shared<Reference>(*reference_);
+    with_hint->hint = TrackingHint{0, forward.motion().lastNs(), forward.motion().last()};
+    reference_ = with_hint;
+    return reference_;
   }
 
   static TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameConstPtr& frame,
@@ -105,7 +107,7 @@ class Mapper::Impl {
   MapperOutput refine(const TrackedFrameConstPtr& frame) {
     MapperOutput output;
     output.keyframe = integrate(frame);
-    if (output.keyframe) output.reference = publish(map_->makeReference(map_->newestKeyframe()));
+    if (output.keyframe) output.reference = reference_;
     return output;
   }
 
@@ -118,9 +120,20 @@ class Mapper::Impl {
     last_keyframe_ = frame->reference.keyframe_id;
     motion_.add(frame->frame->mid_exposure_ns, map_->T_map_camera(*frame));
     const TrackedFrameConstPtr candidate = std::exchange(candidate_, nullptr);
-    if (candidate) return map_->insertKeyframe(*candidate, motion_.xiOfMiddle(exposureOf(*candidate)));
-    if (frame->keyframe_requested && frame->reference.keyframe_id == map_->newestKeyframe()) candidate_ = frame;
-    return std::nullopt;
+    if (!candidate) {
+      if (isNeeded(*frame)) candidate_ = frame;
+      return std::nullopt;
+    }
+    const KeyframeReport report = map_->insertKeyframe(*candidate, motion_.xiOfMiddle(exposureOf(*candidate)));
+    reference_ = map_->makeReference(map_->newestKeyframe());
+    return report;
+  }
+
+  /// Judged against the newest keyframe: the tracker may still be using an older one.
+  bool isNeeded(const TrackedFrame& frame) const {
+    ExposureTrajectory in_newest = frame.trajectory;
+    in_newest.T_reference_mid = reference_->T_map_reference.inverse() * map_->T_map_camera(frame);
+    return keyframe_policy_.takes(*reference_, measureFrame(*reference_, in_newest), frame.brightness);
   }
 
   /// Of no use where the exposure is unknown: 0 leaves the image as if it were sharp.
@@ -145,7 +158,8 @@ class Mapper::Impl {
     copy->hint->trajectory.T_reference_mid = copy->T_map_reference.inverse() *
                                              store_.T_map_keyframe(map_->id(), last_keyframe_) *
                                              last_.trajectory.T_reference_mid;
-    output.reference = publish(copy);
+    reference_ = copy;
+    output.reference = reference_;
     output.message = "the tracker has no reference: the current one is sent again";
     return output;
   }
@@ -155,11 +169,6 @@ class Mapper::Impl {
     output.message = "frame " + std::to_string(frame.frame->sequence) + " was tracked in map " +
                      std::to_string(frame.reference.map_id) + ", which is no more";
     return output;
-  }
-
-  ReferenceConstPtr publish(const std::shared_ptr<Reference>& reference) {
-    reference_ = reference;
-    return reference_;
   }
 
   MapperConfig config_;

@@ -73,7 +73,7 @@ class TrackingLoop::Impl {
       motion_.update(*tracked);
       brightness_ = tracked->brightness;
       T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
-      tracked->keyframe_requested = keyframe_policy_.takes(*reference_, *tracked);
+      tracked->keyframe_requested = keyframe_policy_.takes(*reference_, tracked->measures, tracked->brightness);
     }
     return tracked;
   }

@@ -21,7 +21,7 @@ TrackedFrameSummary summarize(const TrackedFrame& tracked, const std::string& ca
   summary.pose = toPoseMsg(tracked.trajectory.T_reference_mid);
   summary.linear_velocity = toVector3Msg(tracked.trajectory.velocity.head<3>());
   summary.angular_velocity = toVector3Msg(tracked.trajectory.velocity.tail<3>());
-  summary.blur_length = tracked.blur_length_px;
+  summary.blur_length = tracked.measures.blur_length_px;
   summary.residual_rms = tracked.residual_rms;
   summary.points_used = static_cast<std::uint32_t>(tracked.points_used);
   summary.keyframe_requested = tracked.keyframe_requested;

@@ -102,7 +102,7 @@ ExposureMotion makeExposureMotion(const MeasuredMotion& motion, const FrameNames
       tracked.frame->exposure || exposure > 0.0 ? exposure : std::numeric_limits<double>::quiet_NaN();
   message.start = toPoseMsg(T_odom_reference * tracked.trajectory.start());
   message.end = toPoseMsg(T_odom_reference * tracked.trajectory.end());
-  message.blur_length = tracked.blur_length_px;
+  message.blur_length = tracked.measures.blur_length_px;
   message.confidence = motionConfidence(tracked);
   message.map_id = tracked.reference.map_id;
   message.keyframe_id = tracked.reference.keyframe_id;

@@ -10,16 +10,18 @@ constexpr double kUrgentNeed = 2.2;  // no blur keeps a frame from being taken a
 
 }  // namespace
 
-double KeyframePolicy::need(const Reference& reference, const TrackedFrame& frame) const {
+double KeyframePolicy::need(const Reference& reference, const FrameMeasures& frame,
+                            const AffineBrightness& brightness) const {
   const double invisible = (1.0 - frame.visible_fraction) / std::max(1.0 - config_.min_visible_fraction, 1e-3);
-  const double brightness = std::abs(frame.brightness.a - reference.brightness.a) / config_.brightness_change;
-  return frame.mean_flow_px / config_.flow_px + frame.mean_parallax_px / config_.parallax_px +
-         invisible * invisible * invisible + brightness;
+  const double gain_change = std::abs(brightness.a - reference.brightness.a) / config_.brightness_change;
+  return frame.flow_px / config_.flow_px + frame.parallax_px / config_.parallax_px + invisible * invisible * invisible +
+         gain_change;
 }
 
-bool KeyframePolicy::takes(const Reference& reference, const TrackedFrame& frame) const {
+bool KeyframePolicy::takes(const Reference& reference, const FrameMeasures& frame,
+                           const AffineBrightness& brightness) const {
   const double excess_blur = std::max(0.0, frame.blur_length_px / std::max(config_.sharp_blur_px, 0.1) - 1.0);
-  return need(reference, frame) > std::min(1.0 + config_.patience * excess_blur, kUrgentNeed);
+  return need(reference, frame, brightness) > std::min(1.0 + config_.patience * excess_blur, kUrgentNeed);
 }
 
 }  // namespace mba_vo

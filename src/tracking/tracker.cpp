@@ -19,6 +19,7 @@ constexpr std::size_t kFinerStarts = 3;     // compared again on the next level
 constexpr double kSameBasin = 2.0;          // [px] results nearer than this are one
 constexpr double kLeastBlurToSeed = 0.5;    // [px] shorter motion gives no direction to descend along
 constexpr double kObservableBlur = 3.0;     // [px] below it the covariance of xi means nothing
+constexpr double kImplausibleBlur = 0.25;   // of the image's width
 constexpr double kCorrelatedPixels = 20.0;  // pixels per independent observation: model errors are shared in a patch
 
 /// Coarse levels see less detail per patch, and 9x9 pixels there span too much depth.
@@ -158,6 +159,9 @@ void Tracker::judge(TrackedFrame& tracked) const {
   } else if (tracked.inlier_fraction < config_.min_inlier_fraction) {
     tracked.status = TrackingStatus::kLost;
     tracked.reason = format("only %.2f of the pixels agree with the reference", tracked.inlier_fraction);
+  } else if (tracked.measures.blur_length_px > kImplausibleBlur * tracked.frame->pyramid.level(0).camera.width) {
+    tracked.status = TrackingStatus::kLost;
+    tracked.reason = format("an implausible blur of %.0f px was found", tracked.measures.blur_length_px);
   } else if (tracked.inlier_fraction < config_.degraded_inlier_fraction) {
     tracked.status = TrackingStatus::kDegraded;
     tracked.reason = format("only %.2f of the pixels agree with the reference", tracked.inlier_fraction);
@@ -187,12 +191,8 @@ TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& fra
   tracked.points_used = result.statistics.patches;
   tracked.residual_rms = result.statistics.weighted_rms;
   tracked.inlier_fraction = result.statistics.inlier_fraction;
-  const FrameMeasures measures = measureFrame(reference, tracked.trajectory);
-  tracked.blur_length_px = measures.blur_length_px;
-  tracked.visible_fraction = measures.visible_fraction;
-  tracked.mean_flow_px = measures.flow_px;
-  tracked.mean_parallax_px = measures.parallax_px;
-  tracked.xi_prior_limited = measures.blur_length_px < kObservableBlur;
+  tracked.measures = measureFrame(reference, tracked.trajectory);
+  tracked.xi_prior_limited = tracked.measures.blur_length_px < kObservableBlur;
   const double variance = kCorrelatedPixels * tracked.residual_rms * tracked.residual_rms;
   const Eigen::Matrix<double, 14, 14> covariance = variance * result.minimum.equations.hessian.inverse();
   tracked.covariance = covariance.topLeftCorner<12, 12>();

@@ -23,7 +23,7 @@ TrackedFrameConstPtr tracked(std::uint64_t sequence, TrackingStatus status, cons
   result->status = status;
   result->reason = reason;
   result->points_used = 400;
-  result->blur_length_px = 7.0;
+  result->measures.blur_length_px = 7.0;
   result->tracking_ms = 5.0;
   return result;
 }

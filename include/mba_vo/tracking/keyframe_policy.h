@@ -1,12 +1,12 @@
 #pragma once
 
-#include "mba_vo/tracking/tracked_frame.h"
+#include "mba_vo/tracking/frame_measures.h"
 
 namespace mba_vo {
 
 struct KeyframePolicyConfig {
-  double flow_px = 55.0;
-  double parallax_px = 27.0;
+  double flow_px = 75.0;
+  double parallax_px = 38.0;
   double brightness_change = 0.5;
   double min_visible_fraction = 0.7;
   double sharp_blur_px = 2.0;
@@ -30,8 +30,8 @@ class KeyframePolicy {
   explicit KeyframePolicy(const KeyframePolicyConfig& config) : config_(config) {}
 
   /// How much a new keyframe is needed; 1 = take the next sharp frame.
-  double need(const Reference& reference, const TrackedFrame& frame) const;
-  bool takes(const Reference& reference, const TrackedFrame& frame) const;
+  double need(const Reference& reference, const FrameMeasures& frame, const AffineBrightness& brightness) const;
+  bool takes(const Reference& reference, const FrameMeasures& frame, const AffineBrightness& brightness) const;
 
  private:
   KeyframePolicyConfig config_;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "mba_vo/image/frame.h"
+#include "mba_vo/tracking/frame_measures.h"
 #include "mba_vo/tracking/reference.h"
 
 namespace mba_vo {
@@ -29,12 +30,9 @@ struct TrackedFrame {
       Eigen::Matrix<double, 12, 12>::Zero();  // of (right increment of T_mid, xi)
   bool xi_prior_limited = true;               // too little blur for the covariance of xi to mean anything
   double residual_rms = 0.0;                  // robust, level 0 [grey levels]
-  double blur_length_px = 0.0;                // median image path of the points within the exposure [px]
+  FrameMeasures measures;                     // how it sees the points of the reference
   double inlier_fraction = 0.0;               // of the pixels, below the Huber threshold
   int points_used = 0;                        // patches
-  double visible_fraction = 0.0;              // of the reference's points that project into this frame
-  double mean_flow_px = 0.0;                  // rms displacement of the reference's points [px]
-  double mean_parallax_px = 0.0;              // the same caused by translation alone [px]
   bool keyframe_requested = false;
   double tracking_ms = 0.0;
 
