@@ -56,7 +56,7 @@ class SlidingRun {
     }
     poses_.push_back(guess);
     const auto image = test::pyramidOf(scene_.render(camera_, truth_.back()), camera_);
-    window_.addKeyframe({id, image, image, guess, Vector6::Zero(), {}});
+    window_.addKeyframe({id, image, image, guess, Vector6::Zero(), Vector6::Zero(), {}});
     window_.addResidualsTo(id);
     if (id == 0) forEachPoint(id, [&](const Eigen::Vector2d& x, double d) { window_.addPoint(id, x, d); });
   }
