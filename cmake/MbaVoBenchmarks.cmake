@@ -1,6 +1,10 @@
-# Google Benchmark programs.
+# Google Benchmark programs, and studies on recorded sequences (plain programs).
+find_package(benchmark REQUIRED)
 
-# Studies on recorded sequences: plain programs.
+add_executable(tracking_benchmark bench/tracking_benchmark.cpp)
+mba_vo_options(tracking_benchmark)
+target_link_libraries(tracking_benchmark PRIVATE mba_vo_tracking mba_vo_simulation benchmark::benchmark)
+
 add_executable(initializer_study bench/initializer_study.cpp)
 mba_vo_options(initializer_study)
 target_link_libraries(initializer_study PRIVATE mba_vo_mapping opencv_imgcodecs)

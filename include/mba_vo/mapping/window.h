@@ -15,7 +15,7 @@ namespace mba_vo {
 struct WindowConfig {
   int max_keyframes = 7;
   int max_points = 2000;
-  int max_iterations = 6;
+  int max_iterations = 5;
   double huber_threshold = 9.0;
   bool reblur_targets = true;
   double gradient_constant = 50.0;
