@@ -22,7 +22,15 @@ constexpr std::chrono::seconds kSaveTimeout(60);
 class MapperNodelet final : public nodelet::Nodelet {
  private:
   void onInit() override {
-    ros::NodeHandle& nh = getNodeHandle();
+    try {
+      start(getNodeHandle());
+    } catch (const std::exception& error) {
+      NODELET_FATAL_STREAM(error.what());  // the loader would only say that it failed
+      throw;
+    }
+  }
+
+  void start(ros::NodeHandle& nh) {
     const NodeConfig config = parseNodeConfig(readParameters(nh));
     output_directory_ = config.output_directory;
     status_ = std::make_unique<MapperStatusReporter>(nh);

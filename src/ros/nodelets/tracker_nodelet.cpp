@@ -25,7 +25,15 @@ double steadySeconds() { return ros::SteadyTime::now().toSec(); }
 class TrackerNodelet final : public nodelet::Nodelet {
  private:
   void onInit() override {
-    ros::NodeHandle& nh = getNodeHandle();
+    try {
+      start(getNodeHandle());
+    } catch (const std::exception& error) {
+      NODELET_FATAL_STREAM(error.what());  // the loader would only say that it failed
+      throw;
+    }
+  }
+
+  void start(ros::NodeHandle& nh) {
     const NodeConfig config = parseNodeConfig(readParameters(nh));
     no_image_warning_ = config.no_image_warning;
     ImageAssemblerOptions options;

@@ -220,6 +220,17 @@ TEST_F(BadInput, NoImageForAWhile) {
       [](const Outputs& o) { return o.status.back()->reason.find("image_raw for ") != std::string::npos; }, kTimeout));
 }
 
+TEST_F(BadInput, WrongParametersEndTheStart) {
+  for (const char* nodelet : {"mba_vo/Tracker", "mba_vo/Mapper"}) {
+    nodelet::Loader loader(false);
+    ros::NodeHandle parameters("/wrong");
+    parameters.setParam("tracker/max_point", 3);
+    EXPECT_FALSE(loader.load("/wrong/nodelet", nodelet, {}, {}));
+    parameters.deleteParam("tracker");
+    EXPECT_TRUE(loader.load("/wrong/tracking", nodelet, {}, {}));
+  }
+}
+
 TEST_F(BadInput, SummaryFromAnotherProcessIsReportedAndNotUsed) {
   ros::NodeHandle nh("/" + name_);
   ros::Publisher frames = nh.advertise<TrackedFrameSummary>("tracked_frame", 10);
