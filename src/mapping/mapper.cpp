@@ -1,6 +1,7 @@
 #include "mba_vo/mapping/mapper.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "mba_vo/mapping/kinematic_blur.h"
@@ -9,6 +10,7 @@
 namespace mba_vo {
 namespace {
 
+constexpr int kBackwardPerFrame = 2;    // a live tracker waits for the first reference, not for poses of the past
 constexpr int kFramesUntilResend = 15;  // the first reference may still be on its way for a while
 
 }  // namespace
@@ -20,6 +22,7 @@ class Mapper::Impl {
 
   MapperOutput process(const TrackedFrameConstPtr& frame) {
     if (!map_) return initialize(frame->frame);
+    for (int i = 0; i < kBackwardPerFrame; ++i) trackBackwards();
     if (frame->status == TrackingStatus::kLost) return handleLost(*frame);
     if (!frame->tracked()) return resend();
     if (frame->reference.map_id != map_->id()) return stale(*frame);
@@ -34,6 +37,7 @@ class Mapper::Impl {
     initializer_.reset();
     lost_since_ns_.reset();
     candidate_.reset();
+    backward_.reset();
     motion_ = {};
   }
 
@@ -44,24 +48,25 @@ class Mapper::Impl {
  private:
   MapperOutput initialize(const FrameConstPtr& frame) {
     MapperOutput output;
-    const std::unique_ptr<InitialMap> initial = initializer_.add(frame);
+    std::unique_ptr<InitialMap> initial = initializer_.add(frame);
     if (!initial) {
       output.message = initializer_.reason();
       return output;
     }
     const Vector6 velocity = referenceVelocity(*initial);
     map_ = std::make_unique<LocalMap>(config_, next_map_id_++, *initial, velocity, store_);
-    output.reference = replayBuffer(*initial, velocity, initializer_.bufferedFrames());
     output.message =
         "map " + std::to_string(map_->id()) + " initialised with " + std::to_string(initial->points.size()) + " points";
+    output.reference = replayBuffer(std::move(initial), velocity, initializer_.bufferedFrames());
     initializer_.reset();
     return output;
   }
 
-  /// Tracks the buffered frames against the new map: first those after its reference, which may become keyframes, then
-  /// those before it, backwards in time.
-  ReferenceConstPtr replayBuffer(const InitialMap& initial, const Vector6& velocity,
+  /// Tracks the buffered frames after the new map's reference, which may become keyframes. Those before it are kept to
+  /// be tracked backwards in time by and by.
+  ReferenceConstPtr replayBuffer(std::unique_ptr<InitialMap> initial_map, const Vector6& velocity,
                                  const std::vector<FrameConstPtr>& frames) {
+    const InitialMap& initial = *initial_map;
     const std::int64_t origin_ns = initial.reference->mid_exposure_ns;
     const KeyframeId first_keyframe = map_->newestKeyframe();
     reference_ = map_->makeReference(first_keyframe);
@@ -80,18 +85,25 @@ class Mapper::Impl {
       reference = reference_;
     }
     if (map_->has(first_keyframe)) {
-      const std::shared_ptr<Reference> first = map_->makeReference(first_keyframe);
-      Replay backward(config_, initial, {start, origin_ns});
-      for (auto it = frames.rbegin(); it != frames.rend(); ++it) {
-        if ((*it)->mid_exposure_ns >= origin_ns) continue;
-        const TrackedFrame tracked = backward.track(*first, *it);
-        if (tracked.tracked()) store_.addFrame(tracked);
-      }
+      const auto before = [&](const FrameConstPtr& frame) { return frame->mid_exposure_ns < origin_ns; };
+      const Replay replay(config_, initial, {start, origin_ns});
+      backward_.emplace(Backward{std::move(initial_map), replay, map_->makeReference(first_keyframe), {}});
+      std::copy_if(frames.begin(), frames.end(), std::back_inserter(backward_->frames), before);
     }
     auto with_hint = std::make_shared<Reference>(*reference_);
     with_hint->hint = TrackingHint{0, forward.motion().lastNs(), forward.motion().last()};
     reference_ = with_hint;
     return reference_;
+  }
+
+  void trackBackwards() {
+    if (!backward_ || backward_->frames.empty()) {
+      backward_.reset();
+      return;
+    }
+    const TrackedFrame tracked = backward_->replay.track(*backward_->reference, backward_->frames.back());
+    backward_->frames.pop_back();
+    if (tracked.tracked()) store_.addFrame(tracked);
   }
 
   static TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameConstPtr& frame,
@@ -171,6 +183,14 @@ class Mapper::Impl {
     return output;
   }
 
+  /// Frames that came before the map's first keyframe.
+  struct Backward {
+    std::unique_ptr<InitialMap> initial;  // outlives the replay
+    Replay replay;
+    ReferenceConstPtr reference;
+    std::vector<FrameConstPtr> frames;  // by time
+  };
+
   MapperConfig config_;
   Initializer initializer_;
   KeyframePolicy keyframe_policy_;
@@ -180,6 +200,7 @@ class Mapper::Impl {
   MapId next_map_id_ = 1;
   std::optional<std::int64_t> lost_since_ns_;
   KinematicBlur motion_;
+  std::optional<Backward> backward_;
   TrackedFrameConstPtr candidate_;  // becomes a keyframe with the next frame
   TrackingHint last_;               // the newest tracked frame, relative to last_keyframe_
   KeyframeId last_keyframe_ = 0;

@@ -112,7 +112,10 @@ void YamlConfigWriter::beginSection(const std::string& key) {
   out_ << std::string(static_cast<std::size_t>(2 * depth_), ' ') << key << ":\n";
 }
 
-void finalize(OdometryConfig& config) { config.mapper.tracker = config.tracker; }
+void finalize(OdometryConfig& config) {
+  config.mapper.tracker = config.tracker;
+  config.mapper.keyframe = config.keyframe;
+}
 
 void applyYaml(const YAML::Node& node, OdometryConfig& config) {
   readConfig(node, config);

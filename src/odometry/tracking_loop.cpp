@@ -9,7 +9,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr std::size_t kMaxWaiting = 20;  // frames kept for the first reference of a map
+constexpr std::size_t kMaxWaiting = 40;  // frames kept for the first reference of a map
 
 TrackedFrameConstPtr untracked(const FrameConstPtr& frame, TrackingStatus status, const std::string& reason) {
   auto tracked = std::make_shared<TrackedFrame>();
@@ -39,13 +39,30 @@ class TrackingLoop::Impl {
     return track(frame);
   }
 
-  std::vector<TrackedFrameConstPtr> adopt(const ReferenceConstPtr& reference) {
-    std::vector<TrackedFrameConstPtr> late;
-    if (!take(reference)) return late;
-    for (const FrameConstPtr& frame : std::exchange(waiting_, {})) {
-      if (frame->mid_exposure_ns > motion_.lastNs()) late.push_back(track(frame));
+  bool take(const ReferenceConstPtr& reference) {
+    if (reference_ && reference_->id.map_id == reference->id.map_id) {
+      const SE3 T_new_old = T_newReference_oldReference(*reference);
+      motion_.changeReference(T_new_old);
+      T_odom_reference_ = T_odom_reference_ * T_new_old.inverse();
+    } else if (reference->hint) {
+      motion_ = {reference->hint->trajectory, reference->hint->mid_exposure_ns};
+      T_odom_reference_ = T_odom_camera_ * motion_.last().T_reference_mid.inverse();
+      brightness_ = reference->brightness;
+    } else {
+      return false;
     }
-    return late;
+    reference_ = reference;
+    lost_since_ns_.reset();
+    return true;
+  }
+
+  TrackedFrameConstPtr trackWaiting() {
+    while (reference_ && !waiting_.empty()) {
+      const FrameConstPtr frame = waiting_.front();
+      waiting_.pop_front();
+      if (frame->mid_exposure_ns > motion_.lastNs()) return track(frame);
+    }
+    return nullptr;
   }
 
   void reset() {
@@ -82,24 +99,6 @@ class TrackingLoop::Impl {
     return lost_since_ns_ ? 1e-9 * static_cast<double>(frame.mid_exposure_ns - *lost_since_ns_) : 0.0;
   }
 
-  /// False if the reference is of no use: nothing says where the camera is in its map.
-  bool take(const ReferenceConstPtr& reference) {
-    if (reference_ && reference_->id.map_id == reference->id.map_id) {
-      const SE3 T_new_old = T_newReference_oldReference(*reference);
-      motion_.changeReference(T_new_old);
-      T_odom_reference_ = T_odom_reference_ * T_new_old.inverse();
-    } else if (reference->hint) {
-      motion_ = {reference->hint->trajectory, reference->hint->mid_exposure_ns};
-      T_odom_reference_ = T_odom_camera_ * motion_.last().T_reference_mid.inverse();
-      brightness_ = reference->brightness;
-    } else {
-      return false;
-    }
-    reference_ = reference;
-    lost_since_ns_.reset();
-    return true;
-  }
-
   /// Through the poses that came with the new snapshot: map coordinates of different moments do not mix.
   SE3 T_newReference_oldReference(const Reference& next) const {
     const auto found = next.T_map_keyframe.find(reference_->id.keyframe_id);
@@ -123,8 +122,13 @@ class TrackingLoop::Impl {
 TrackingLoop::TrackingLoop(const OdometryConfig& config) : impl_(std::make_unique<Impl>(config)) {}
 TrackingLoop::~TrackingLoop() = default;
 TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame) { return impl_->process(frame); }
+bool TrackingLoop::take(const ReferenceConstPtr& reference) { return impl_->take(reference); }
+TrackedFrameConstPtr TrackingLoop::trackWaiting() { return impl_->trackWaiting(); }
 std::vector<TrackedFrameConstPtr> TrackingLoop::adopt(const ReferenceConstPtr& reference) {
-  return impl_->adopt(reference);
+  std::vector<TrackedFrameConstPtr> late;
+  if (!take(reference)) return late;
+  while (TrackedFrameConstPtr tracked = trackWaiting()) late.push_back(std::move(tracked));
+  return late;
 }
 void TrackingLoop::reset() { impl_->reset(); }
 const SE3& TrackingLoop::T_odom_camera() const { return impl_->T_odom_camera(); }

@@ -18,9 +18,14 @@ class TrackingLoop {
   /// Every frame gives exactly one result; never null.
   TrackedFrameConstPtr process(const FrameConstPtr& frame);
 
-  /// Takes a newer snapshot; the prior is re-expressed through the poses that came with it. The first snapshot of a map
-  /// comes with a hint about a frame of the past: frames that came after it and were reported as INITIALIZING are tracked
-  /// now, so that nothing has to be predicted over a long gap. Their second, late results are returned, for the mapper.
+  /// Takes a newer snapshot; the prior is re-expressed through the poses that came with it. False if it is of no use.
+  /// The first snapshot of a map comes with a hint about a frame of the past: frames that came after it and were
+  /// reported as INITIALIZING wait to be tracked now, so that nothing has to be predicted over a long gap.
+  bool take(const ReferenceConstPtr& reference);
+  /// Tracks the oldest waiting frame: its second, late result, for the mapper. Null if none waits. To be called until
+  /// then before the next frame is processed.
+  TrackedFrameConstPtr trackWaiting();
+  /// Both: takes the snapshot and tracks all that waited.
   std::vector<TrackedFrameConstPtr> adopt(const ReferenceConstPtr& reference);
 
   /// Forgets the reference and the prior.

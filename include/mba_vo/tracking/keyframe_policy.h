@@ -10,7 +10,7 @@ struct KeyframePolicyConfig {
   double brightness_change = 0.5;
   double min_visible_fraction = 0.7;
   double sharp_blur_px = 2.0;
-  double patience = 0.6;
+  double patience = 0.3;
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {

@@ -112,6 +112,11 @@ void TrackerWorker::process(const InputImage& image) {
     T_base_camera_ = lookupExtrinsic(config_.frames.base_frame, camera_frame_, config_.extrinsic_wait);
   }
   adoptReferences();
+  // Frames that waited for the first reference of a map go first; newer references are adopted in between.
+  while (const TrackedFrameConstPtr late = loop_.trackWaiting()) {
+    forward(late, true);
+    adoptReferences();
+  }
   const TrackedFrameConstPtr tracked = loop_.process(frame);
   forward(tracked, loop_.reference() != nullptr);
   if (tracked->tracked()) {
@@ -178,10 +183,7 @@ void TrackerWorker::adoptReferences() {
       status_.referenceStale();
       continue;
     }
-    for (const TrackedFrameConstPtr& late : loop_.adopt(message->reference)) {
-      forward(late, true);
-    }
-    if (loop_.reference() == message->reference) {
+    if (loop_.take(message->reference)) {
       status_.referenceAdopted(message->reference->id, message->summary.status);
     } else {
       status_.referenceStale();
