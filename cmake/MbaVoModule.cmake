@@ -1,5 +1,5 @@
 # Every module is a static library mba_vo_<name> made of src/<name>/*.cpp, with one test program mba_vo_<name>_test made of
-# test/<name>/*_test.cpp.
+# test/<name>/*_test.cpp. What only the tests link to (TEST_DEPENDS) does not count as a dependency of the module.
 
 set(MBA_VO_WARNINGS -Wall -Wextra -Wshadow -Wconversion -Werror)
 
@@ -29,7 +29,7 @@ function(mba_vo_test target)
 endfunction()
 
 function(mba_vo_module name)
-  cmake_parse_arguments(ARG "" "" "DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "DEPENDS;TEST_DEPENDS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/${name}/*.cpp)
   set(target mba_vo_${name})
   if(sources)
@@ -46,6 +46,6 @@ function(mba_vo_module name)
   set_property(GLOBAL APPEND PROPERTY MBA_VO_MODULES ${target})
   file(GLOB tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/${name}/*_test.cpp)
   if(MBA_VO_TESTS AND tests)
-    mba_vo_test(${target}_test SOURCES ${tests} DEPENDS ${target})
+    mba_vo_test(${target}_test SOURCES ${tests} DEPENDS ${target} ${ARG_TEST_DEPENDS})
   endif()
 endfunction()

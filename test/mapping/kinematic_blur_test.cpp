@@ -1,0 +1,88 @@
+#include "mba_vo/mapping/kinematic_blur.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "mba_vo/mapping/replay.h"
+#include "support/random.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr std::int64_t kInterval = 37'000'000;  // [ns]
+constexpr double kExposure = 0.02;              // [s]
+
+double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+
+TEST(KinematicBlur, IsExactForConstantVelocityAndUnevenIntervals) {
+  test::Random random(1);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Vector6 v = random.tangent(1.0, 3.0);
+    const SE3 start = random.pose(1.0, 1.0);
+    KinematicBlur blur;
+    for (const std::int64_t ns : {0L, 20'000'000L, 75'000'000L, 110'000'000L})
+      blur.add(ns, start * SE3::exp(seconds(ns) * v));
+    EXPECT_LT((blur.xiOfMiddle(kExposure) - kExposure * v).norm(), 1e-9);
+    EXPECT_EQ(blur.xiOfMiddle(0.0).norm(), 0.0);
+  }
+}
+
+TEST(KinematicBlur, MeansTheVelocitiesOnBothSidesOfTheLastButOnePose) {
+  const Vector6 before = (Vector6() << 0.4, 0, 0, 0, 2.0, 0).finished();
+  const Vector6 after = (Vector6() << -0.2, 0, 0, 0, 1.0, 0).finished();
+  KinematicBlur blur;
+  blur.add(-kInterval, SE3::exp(-5.0 * before));  // long forgotten
+  const SE3 middle = SE3::exp(seconds(kInterval) * before);
+  blur.add(0, SE3());
+  blur.add(kInterval, middle);
+  blur.add(2 * kInterval, middle * SE3::exp(seconds(kInterval) * after));
+  EXPECT_LT((blur.xiOfMiddle(kExposure) - kExposure * 0.5 * (before + after)).norm(), 1e-9);
+}
+
+TEST(KinematicBlur, LeavesOutASideThatIsTooFarAway) {
+  const Vector6 v = (Vector6() << 0.1, 0.2, 0, 0.5, 0, 0).finished();
+  KinematicBlur blur;
+  blur.add(0, SE3::exp(9.0 * v));  // a second before, somewhere else
+  blur.add(1'000'000'000, SE3());
+  EXPECT_EQ(blur.xiOfMiddle(kExposure).norm(), 0.0);
+  blur.add(1'000'000'000 + kInterval, SE3::exp(seconds(kInterval) * v));
+  EXPECT_LT((blur.xiOfMiddle(kExposure) - kExposure * v).norm(), 1e-9);
+}
+
+TEST(KinematicBlur, IgnoresPosesThatAreNotLater) {
+  const Vector6 v = (Vector6() << 0.1, 0.2, 0, 0.5, 0, 0).finished();
+  KinematicBlur blur;
+  EXPECT_EQ(blur.xiOfMiddle(kExposure).norm(), 0.0);
+  blur.add(kInterval, SE3::exp(seconds(kInterval) * v));
+  EXPECT_EQ(blur.xiOfMiddle(kExposure).norm(), 0.0);
+  blur.add(kInterval, SE3::exp(3.0 * v));
+  blur.add(0, SE3::exp(3.0 * v));
+  blur.add(2 * kInterval, SE3::exp(seconds(2 * kInterval) * v));
+  EXPECT_LT((blur.xiOfMiddle(kExposure) - kExposure * v).norm(), 1e-9);
+}
+
+FrameConstPtr frameAt(std::int64_t ns) {
+  auto frame = std::make_shared<Frame>();
+  frame->mid_exposure_ns = ns;
+  return frame;
+}
+
+TEST(ReferenceVelocity, ComesFromTheNeighboursOfTheReferenceInTime) {
+  const Vector6 v = (Vector6() << 0.3, -0.1, 0.2, 0.5, 1.0, -0.7).finished();
+  InitialMap map;
+  map.reference = frameAt(5 * kInterval);
+  for (const std::int64_t i : {1, 3, 4, 6, 7, 9}) {
+    // Only the two neighbours move along v; the others would spoil a mean over all.
+    const SE3 pose = i == 4 || i == 6 ? SE3::exp(seconds((i - 5) * kInterval) * v) : SE3::exp(2.0 * v);
+    map.poses.push_back({frameAt(i * kInterval), pose});
+  }
+  EXPECT_LT((referenceVelocity(map) - v).norm(), 1e-9);
+  map.poses.erase(map.poses.begin() + 3, map.poses.end());  // the reference is the newest frame
+  EXPECT_LT((referenceVelocity(map) - v).norm(), 1e-9);
+  map.poses.clear();
+  EXPECT_EQ(referenceVelocity(map).norm(), 0.0);
+}
+
+}  // namespace
+}  // namespace mba_vo

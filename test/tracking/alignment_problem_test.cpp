@@ -1,0 +1,191 @@
+#include "mba_vo/tracking/alignment_problem.h"
+
+#include <cmath>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "support/jacobian.h"
+#include "support/random.h"
+#include "support/rendered_room.h"
+
+namespace mba_vo {
+namespace {
+
+const PatchPattern kPattern = PatchPattern::square(9);  // the problem keeps a reference to it
+
+/// A rendered view, smoothed so that the derivative of its interpolation is that of the image.
+struct SmoothScene {
+  std::shared_ptr<Reference> reference;
+  FrameConstPtr frame;
+  std::vector<int> points;  // away from the border, where no pixel leaves the image
+};
+
+SmoothScene makeScene(const Vector6& image_xi = Vector6::Zero()) {
+  const SimulatedFrame a = test::roomSimulator().render(40);
+  const SimulatedFrame b = test::roomSimulator().render(41);
+  const auto smooth = [](const cv::Mat1b& image) {
+    cv::Mat1f result = test::toFloat(image);
+    cv::GaussianBlur(result, result, {0, 0}, 4.0);
+    return result;
+  };
+  SmoothScene scene;
+  scene.reference = test::makeReference(a, smooth(a.sharp), 600);
+  scene.reference->image_xi = image_xi;
+  scene.frame = test::makeFrame(smooth(b.blurred), 0, 0.02);
+  for (std::size_t i = 0; i < scene.reference->points.size(); ++i) {
+    scene.reference->points[i].variance = 0.0F;  // else the weights depend on the state too
+    const Eigen::Vector2f pixel = scene.reference->points[i].pixel;
+    if (pixel.x() > 60 && pixel.x() < 316 && pixel.y() > 60 && pixel.y() < 180)
+      scene.points.push_back(static_cast<int>(i));
+  }
+  return scene;
+}
+
+AlignmentOptions smoothOptions() {
+  AlignmentOptions options;
+  options.huber_threshold = 1e4;     // all pixels are inliers
+  options.sample_spacing_px = 0.05;  // so that the number of samples is always max_samples
+  options.max_samples = 32;
+  return options;
+}
+
+AlignmentState stateAt(test::Random& random) {
+  AlignmentState state;
+  state.T_reference_mid = random.pose(0.03, 0.02);
+  state.xi = random.tangent(0.02, 0.04);
+  state.a = random.uniform(-0.2, 0.2);
+  state.b = random.uniform(-5.0, 5.0);
+  return state;
+}
+
+/// Compares in the unit of the square root of the cost: gradient over the root of the Hessian's diagonal.
+/// Returns the size of the numeric one, which must not be small in comparison for all of the states tried.
+Eigen::VectorXd expectGradientOfCost(AlignmentProblem& problem, const AlignmentState& state) {
+  constexpr double kTolerance = 0.03;  // the path is quadratic in u, its derivatives linear
+  const auto equations = problem.linearize(state);
+  const auto cost = [&](const Eigen::VectorXd& d) {
+    return Eigen::VectorXd::Constant(1, problem.linearize(AlignmentProblem::plus(state, d)).cost);
+  };
+  const Eigen::MatrixXd numeric = test::numericJacobian(cost, AlignmentProblem::kStates, 2e-4);
+  for (int i = 0; i < AlignmentProblem::kStates; ++i) {
+    const double scale = std::sqrt(equations.hessian(i, i) * equations.cost);
+    EXPECT_NEAR(equations.gradient(i) / scale, numeric(0, i) / scale, kTolerance) << "state " << i;
+    EXPECT_GT(equations.hessian(i, i), 0.0) << "state " << i;
+  }
+  return numeric.row(0).transpose().cwiseAbs().cwiseQuotient(
+      (equations.cost * equations.hessian.diagonal()).cwiseSqrt());
+}
+
+TEST(AlignmentProblem, GradientIsThatOfTheCostForAllStates) {
+  const SmoothScene scene = makeScene();
+  ASSERT_GT(scene.points.size(), 100U);
+  test::Random random(4);
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(AlignmentProblem::kStates);
+  for (const int level : {0, 1}) {
+    for (int trial = 0; trial < 4; ++trial) {
+      const AlignmentState state = stateAt(random);
+      AlignmentProblem problem(*scene.reference, scene.points, *scene.frame, level, kPattern, smoothOptions(),
+                               std::nullopt, state);
+      largest = largest.cwiseMax(expectGradientOfCost(problem, state));
+      EXPECT_EQ(problem.statistics().pixels, 81 * problem.patches());
+      EXPECT_DOUBLE_EQ(problem.statistics().inlier_fraction, 1.0);
+    }
+  }
+  EXPECT_GT(largest.minCoeff(), 0.1) << largest.transpose();
+}
+
+TEST(AlignmentProblem, GradientHoldsWithPriorsAndABlurredReference) {
+  test::Random random(5);
+  const SmoothScene scene = makeScene(random.tangent(0.01, 0.03));
+  AlignmentPrior prior;
+  prior.pose_information << 1e6, 2e6, 3e6, 4e6, 5e6, 6e6;
+  prior.xi_information << 6e6, 5e6, 4e6, 3e6, 2e6, 1e6;
+  for (int trial = 0; trial < 3; ++trial) {
+    const AlignmentState state = stateAt(random);
+    prior.T_reference_mid = state.T_reference_mid * random.pose(1e-3, 1e-3);
+    prior.xi = state.xi + random.tangent(1e-3, 1e-3);
+    AlignmentProblem problem(*scene.reference, scene.points, *scene.frame, 0, kPattern, smoothOptions(), prior, state);
+    expectGradientOfCost(problem, state);
+  }
+}
+
+TEST(AlignmentProblem, HessianIsSymmetricAndPredictsTheCostOfSmallSteps) {
+  const SmoothScene scene = makeScene();
+  test::Random random(6);
+  const AlignmentState state = stateAt(random);
+  AlignmentProblem problem(*scene.reference, scene.points, *scene.frame, 0, kPattern, smoothOptions(), std::nullopt,
+                           state);
+  const auto equations = problem.linearize(state);
+  EXPECT_LT((equations.hessian - equations.hessian.transpose()).norm(), 1e-9 * equations.hessian.norm());
+  Eigen::Matrix<double, 14, 14> damped = equations.hessian;
+  damped.diagonal() *= 1.0001;
+  const AlignmentProblem::Step step = -0.1 * damped.ldlt().solve(equations.gradient);
+  const double predicted = equations.gradient.dot(step) + 0.5 * step.dot(equations.hessian * step);
+  const double actual = problem.linearize(AlignmentProblem::plus(state, step)).cost - equations.cost;
+  EXPECT_LT(predicted, 0.0);
+  EXPECT_NEAR(actual, predicted, 0.1 * std::abs(predicted));
+}
+
+TEST(AlignmentProblem, WithoutExposureXiIsNoState) {
+  const SmoothScene scene = makeScene();
+  AlignmentOptions options = smoothOptions();
+  options.estimate_xi = false;
+  test::Random random(7);
+  AlignmentState state = stateAt(random);  // at no motion at all, interpolation has kinks
+  state.xi.setZero();
+  AlignmentProblem problem(*scene.reference, scene.points, *scene.frame, 0, kPattern, options, std::nullopt, state);
+  const auto equations = problem.linearize(state);
+  EXPECT_EQ(equations.gradient.segment<6>(6).norm(), 0.0);
+  EXPECT_TRUE((equations.hessian.block<6, 6>(6, 6).isIdentity()));
+  EXPECT_EQ((equations.hessian.block<6, 6>(0, 6).norm()), 0.0);
+  // What remains is the same problem as with a motion of zero.
+  const auto cost = [&](const Eigen::VectorXd& d) {
+    return Eigen::VectorXd::Constant(1, problem.linearize(AlignmentProblem::plus(state, d)).cost);
+  };
+  const Eigen::MatrixXd numeric = test::numericJacobian(cost, AlignmentProblem::kStates, 2e-4);
+  for (const int i : {0, 1, 2, 3, 4, 5, 12, 13}) {
+    const double scale = std::sqrt(equations.hessian(i, i) * equations.cost);
+    EXPECT_NEAR(equations.gradient(i) / scale, numeric(0, i) / scale, 0.02) << "state " << i;
+  }
+}
+
+TEST(AlignmentProblem, PatchesAreChosenAnewOnlyAfterALargeMotion) {
+  const SmoothScene scene = makeScene();
+  const AlignmentState state;
+  AlignmentProblem problem(*scene.reference, scene.points, *scene.frame, 0, kPattern, smoothOptions(), std::nullopt,
+                           state);
+  AlignmentState moved = state;
+  Vector6 turn = Vector6::Zero();
+  turn(4) = 0.5 / test::roomSimulator().camera().fx;  // half a pixel
+  moved.T_reference_mid = SE3::exp(turn);
+  EXPECT_FALSE(problem.refresh(moved));
+  moved.T_reference_mid = SE3::exp(4.0 * turn);
+  EXPECT_TRUE(problem.refresh(moved));
+  EXPECT_FALSE(problem.refresh(moved));
+}
+
+TEST(AlignmentProblem, LeavingTheReferenceNeverPays) {
+  // A pose that sees only a part of the reference may not be cheaper than the right one.
+  SmoothScene scene = makeScene();
+  scene.points.resize(scene.reference->points.size());
+  std::iota(scene.points.begin(), scene.points.end(), 0);
+  AlignmentOptions options;
+  const SE3 truth =
+      test::roomSimulator().groundTruth(40).T_world_mid.inverse() * test::roomSimulator().groundTruth(41).T_world_mid;
+  const auto cost = [&](double yaw) {
+    Vector6 turn = Vector6::Zero();
+    turn(4) = yaw;
+    AlignmentState state;
+    state.T_reference_mid = truth;
+    AlignmentProblem problem(*scene.reference, scene.points, *scene.frame, 0, kPattern, options, std::nullopt, state);
+    state.T_reference_mid = truth * SE3::exp(turn);
+    return problem.linearize(state).cost;
+  };
+  for (const double yaw : {-1.2, -0.8, -0.4, 0.4, 0.8, 1.2}) EXPECT_GT(cost(yaw), 1.5 * cost(0.0)) << yaw;
+}
+
+}  // namespace
+}  // namespace mba_vo

@@ -1,0 +1,97 @@
+#include "mba_vo/tracking/keyframe_policy.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace mba_vo {
+namespace {
+
+FrameMeasures still() {
+  FrameMeasures measures;
+  measures.visible_fraction = 1.0;
+  return measures;
+}
+
+bool takes(const FrameMeasures& measures, const AffineBrightness& brightness = {}, const Reference& reference = {}) {
+  return KeyframePolicy({}).takes(reference, measures, brightness);
+}
+
+TEST(KeyframePolicy, ACameraThatSeesTheSameNeedsNone) {
+  EXPECT_FALSE(takes(still()));
+  EXPECT_DOUBLE_EQ(KeyframePolicy({}).need({}, still(), {}), 0.0);
+}
+
+TEST(KeyframePolicy, MotionParallaxVisibilityAndBrightnessEachAskForOne) {
+  const KeyframePolicyConfig config;
+  FrameMeasures flow = still();
+  flow.flow_px = 0.9 * config.flow_px;
+  EXPECT_FALSE(takes(flow));
+  flow.flow_px = 1.1 * config.flow_px;
+  EXPECT_TRUE(takes(flow));
+
+  FrameMeasures parallax = still();
+  parallax.parallax_px = 0.9 * config.parallax_px;
+  EXPECT_FALSE(takes(parallax));
+  parallax.parallax_px = 1.1 * config.parallax_px;
+  EXPECT_TRUE(takes(parallax));
+
+  FrameMeasures hidden = still();
+  hidden.visible_fraction = config.min_visible_fraction + 0.02;
+  EXPECT_FALSE(takes(hidden));
+  hidden.visible_fraction = config.min_visible_fraction - 0.02;
+  EXPECT_TRUE(takes(hidden));
+
+  for (const double sign : {-1.0, 1.0}) {
+    EXPECT_FALSE(takes(still(), {sign * 0.9 * config.brightness_change, 0.0}));
+    EXPECT_TRUE(takes(still(), {sign * 1.1 * config.brightness_change, 0.0}));
+  }
+  // Only the change since the reference counts.
+  Reference reference;
+  reference.brightness.a = 2.0;
+  EXPECT_FALSE(takes(still(), {2.0, 0.0}, reference));
+  EXPECT_TRUE(takes(still(), {0.0, 0.0}, reference));
+}
+
+TEST(KeyframePolicy, NeedsAddUp) {
+  const KeyframePolicyConfig config;
+  FrameMeasures measures = still();
+  measures.flow_px = 0.6 * config.flow_px;
+  EXPECT_FALSE(takes(measures));
+  measures.parallax_px = 0.6 * config.parallax_px;
+  EXPECT_TRUE(takes(measures));
+}
+
+TEST(KeyframePolicy, WaitsForASharpFrameUntilTheNeedIsUrgent) {
+  const KeyframePolicyConfig config;
+  FrameMeasures measures = still();
+  measures.flow_px = 1.2 * config.flow_px;
+  measures.blur_length_px = config.sharp_blur_px;
+  EXPECT_TRUE(takes(measures));
+  measures.blur_length_px = 3.0 * config.sharp_blur_px;
+  EXPECT_FALSE(takes(measures));
+  measures.flow_px = (1.0 + 2.0 * config.patience - 0.05) * config.flow_px;
+  EXPECT_FALSE(takes(measures));
+  // No blur, however strong, keeps a keyframe away for ever.
+  measures.blur_length_px = 1000.0;
+  measures.flow_px = 3.0 * config.flow_px;
+  EXPECT_TRUE(takes(measures));
+}
+
+TEST(KeyframePolicy, MoreBlurNeverMakesAFrameMoreWelcome) {
+  const KeyframePolicyConfig config;
+  for (double flow = 0.5; flow < 3.0; flow += 0.1) {
+    bool taken = true;
+    for (double blur = 0.0; blur < 40.0; blur += 0.5) {
+      FrameMeasures measures = still();
+      measures.flow_px = flow * config.flow_px;
+      measures.blur_length_px = blur;
+      const bool now = takes(measures);
+      EXPECT_LE(now, taken);
+      taken = now;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mba_vo
