@@ -2,8 +2,9 @@
 
 #include <algorithm>
 
-#include <tbb/parallel_for.h>
 #include <Eigen/LU>
+
+#include "mba_vo/image/parallel_for.h"
 
 namespace mba_vo {
 namespace {
@@ -121,7 +122,7 @@ void WindowLinearizer::linearize(WindowState& state, const std::vector<int>& poi
       linearizePoint(state, pairs, point, row, chunks[c], out);
     }
   };
-  tbb::parallel_for(std::size_t{0}, chunks.size(), linearizeChunk);
+  parallelFor(chunks.size(), linearizeChunk);
 
   for (int h = 0; h < n; ++h) {
     for (int t = 0; t < n; ++t) {

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
+#include "mba_vo/image/parallel_for.h"
 #include "mba_vo/simulation/shading.h"
 
 namespace mba_vo {
@@ -92,13 +91,13 @@ cv::Mat1f Renderer::integrate(const PoseFunction& pose, double t_mid, double exp
   const int count = subFrames(pose, t_mid, exposure);
   const bool global_shutter = config_.row_time <= 0.0;
   std::vector<View> views(global_shutter ? static_cast<std::size_t>(count) : 0);
-  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+  parallelFor(views.size(), [&](std::size_t i) {
     views[i] = projectScene(*scene_, pose(subFrameTime(t_mid, exposure, static_cast<int>(i), count)), rays_.bounds());
   });
 
   const int samples = std::max(kEdgeSamplesPerView, kEdgeSamples / count);
   cv::Mat1f light(rays_.height(), rays_.width());
-  tbb::parallel_for(std::size_t{0}, rays_.strips().size(), [&](std::size_t index) {
+  parallelFor(rays_.strips().size(), [&](std::size_t index) {
     const RayStrip& strip = rays_.strips()[index];
     const double t_row = t_mid + rowDelay(strip.row);
     std::vector<float> sum(strip.blocks.size() * RayBlock::kPixels, 0.0F);
@@ -128,7 +127,7 @@ cv::Mat1f Renderer::integrate(const PoseFunction& pose, double t_mid, double exp
 
 cv::Mat1f Renderer::depth(const PoseFunction& pose, double t_mid) const {
   cv::Mat1f depth(rays_.height(), rays_.width());
-  tbb::parallel_for(std::size_t{0}, rays_.strips().size(), [&](std::size_t index) {
+  parallelFor(rays_.strips().size(), [&](std::size_t index) {
     const RayStrip& strip = rays_.strips()[index];
     const View view = projectScene(*scene_, pose(t_mid + rowDelay(strip.row)), strip.bounds);
     VisibilityBuffer visibility;
@@ -152,7 +151,7 @@ int Renderer::subFrames(const PoseFunction& pose, double t_mid, double exposure)
   const View view = projectScene(*scene_, pose(t_mid), rays_.bounds());
   const ImagePath path(pose, t_mid, exposure);
   std::vector<double> longest(rays_.strips().size(), 0.0);
-  tbb::parallel_for(std::size_t{0}, rays_.strips().size(), [&](std::size_t index) {
+  parallelFor(rays_.strips().size(), [&](std::size_t index) {
     const RayStrip& strip = rays_.strips()[index];
     if (strip.row % kGrid != 0) return;
     for (const RayBlock& block : strip.blocks) {

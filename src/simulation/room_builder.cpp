@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
 #include <Eigen/QR>
+
+#include "mba_vo/image/parallel_for.h"
 
 namespace mba_vo {
 namespace {
@@ -110,7 +111,7 @@ void RoomBuilder::addBox(const Place& place, const Eigen::Vector3d& size, const 
 
 Scene RoomBuilder::build() {
   std::vector<cv::Mat1f> images(textures_.size());
-  tbb::parallel_for(std::size_t{0}, textures_.size(), [&](std::size_t i) {
+  parallelFor(textures_.size(), [&](std::size_t i) {
     cv::RNG random(textures_[i].second);
     images[i] = paintPattern(textures_[i].first, kTextureSide, random);
   });

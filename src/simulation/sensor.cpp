@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
+#include "mba_vo/image/parallel_for.h"
 
 namespace mba_vo {
 namespace {
@@ -38,7 +38,8 @@ double transmission(const cv::Mat1f& image, double vignette, int row, int col) {
 cv::Mat1b expose(const cv::Mat1f& light, const SensorConfig& config, std::uint64_t stream) {
   cv::Mat1b image(light.size());
   const double inverse_gamma = 1.0 / config.gamma;
-  tbb::parallel_for(0, light.rows, [&](int row) {
+  parallelFor(static_cast<std::size_t>(light.rows), [&](std::size_t index) {
+    const int row = static_cast<int>(index);
     cv::Vec2d normal;
     for (int col = 0; col < light.cols; ++col) {
       if (col % 2 == 0 && config.noise > 0.0) {
