@@ -14,13 +14,14 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kStartIterations = 6;         // spent on each alternative start on the coarsest level
-constexpr std::size_t kFinerStarts = 3;     // compared again on the next level
-constexpr double kSameBasin = 2.0;          // [px] results nearer than this are one
-constexpr double kLeastBlurToSeed = 0.5;    // [px] shorter motion gives no direction to descend along
-constexpr double kObservableBlur = 3.0;     // [px] below it the covariance of xi means nothing
-constexpr double kImplausibleBlur = 0.25;   // of the image's width
-constexpr double kCorrelatedPixels = 20.0;  // pixels per independent observation: model errors are shared in a patch
+constexpr int kStartIterations = 6;          // spent on each alternative start on the coarsest level
+constexpr std::size_t kFinerStarts = 3;      // compared again on the next level
+constexpr double kSameBasin = 2.0;           // [px] results nearer than this are one
+constexpr double kLeastBlurToSeed = 0.5;     // [px] shorter motion gives no direction to descend along
+constexpr double kObservableBlur = 3.0;      // [px] below it the covariance of xi means nothing
+constexpr double kImplausibleBlur = 0.25;    // of the image's width
+constexpr double kImplausibleLogGain = 1.6;  // contrast five times higher or lower than the reference's
+constexpr double kCorrelatedPixels = 20.0;   // pixels per independent observation: model errors are shared in a patch
 
 /// Coarse levels see less detail per patch, and 9x9 pixels there span too much depth.
 int patchSide(int level) { return level <= 1 ? 9 : 7; }
@@ -151,7 +152,7 @@ Tracker::LevelResult Tracker::preferExpectedDirection(const Reference& reference
   return same_data && other.meanCost() < result.meanCost() ? other : result;
 }
 
-void Tracker::judge(TrackedFrame& tracked) const {
+void Tracker::judge(double log_gain, TrackedFrame& tracked) const {
   tracked.status = TrackingStatus::kTracking;
   if (tracked.points_used < config_.min_patches) {
     tracked.status = TrackingStatus::kLost;
@@ -159,6 +160,10 @@ void Tracker::judge(TrackedFrame& tracked) const {
   } else if (tracked.inlier_fraction < config_.min_inlier_fraction) {
     tracked.status = TrackingStatus::kLost;
     tracked.reason = format("only %.2f of the pixels agree with the reference", tracked.inlier_fraction);
+  } else if (std::abs(log_gain) > kImplausibleLogGain) {
+    // An image without texture agrees with any reference whose contrast is taken away.
+    tracked.status = TrackingStatus::kLost;
+    tracked.reason = format("an implausible change of contrast by %.3g was found", std::exp(log_gain));
   } else if (tracked.measures.blur_length_px > kImplausibleBlur * tracked.frame->pyramid.level(0).camera.width) {
     tracked.status = TrackingStatus::kLost;
     tracked.reason = format("an implausible blur of %.0f px was found", tracked.measures.blur_length_px);
@@ -196,7 +201,7 @@ TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& fra
   const double variance = kCorrelatedPixels * tracked.residual_rms * tracked.residual_rms;
   const Eigen::Matrix<double, 14, 14> covariance = variance * result.minimum.equations.hessian.inverse();
   tracked.covariance = covariance.topLeftCorner<12, 12>();
-  judge(tracked);
+  judge(state.a, tracked);
   tracked.tracking_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return tracked;
 }

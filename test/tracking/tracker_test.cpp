@@ -180,6 +180,17 @@ TEST(Tracker, AFrameOfSomethingElseIsLost) {
   }
 }
 
+TEST(Tracker, AnImageWithoutTextureIsLost) {
+  for (const float grey : {0.0F, 90.0F, 255.0F}) {  // the lens is covered, or the light is too bright
+    cv::Mat1f image(240, 376);
+    cv::RNG(1).fill(image, cv::RNG::NORMAL, grey, 1.0);
+    const TrackedFrame tracked = Tracker({}).track(*sharpReference(), test::makeFrame(image, 0, kExposure),
+                                                   ExposureTrajectory{SE3(), Vector6::Zero(), kExposure});
+    EXPECT_EQ(tracked.status, TrackingStatus::kLost) << "grey " << grey << ", gain " << tracked.brightness.a;
+    EXPECT_FALSE(tracked.reason.empty());
+  }
+}
+
 TEST(Tracker, TooFewPointsAreLost) {
   const Case c = makeCase(1, 5.0);
   auto reference = std::make_shared<Reference>(*sharpReference());

@@ -68,7 +68,7 @@ class Tracker {
                                       LevelResult result) const;
   std::optional<AlignmentPrior> priorFor(const Reference& reference, const TrackingGuess& guess,
                                          const AlignmentState& state) const;
-  void judge(TrackedFrame& tracked) const;
+  void judge(double log_gain, TrackedFrame& tracked) const;
 
   TrackerConfig config_;
 };
