@@ -23,7 +23,8 @@ class Mapper::Impl {
   MapperOutput process(const TrackedFrameConstPtr& frame) {
     if (!map_) return initialize(frame->frame);
     for (int i = 0; i < kBackwardPerFrame; ++i) trackBackwards();
-    if (frame->status == TrackingStatus::kLost) return handleLost(*frame);
+    // A tracker that was lost for so long that it gave up its reference reports INITIALIZING.
+    if (frame->status == TrackingStatus::kLost || (lost_since_ns_ && !frame->tracked())) return handleLost(*frame);
     if (!frame->tracked()) return resend();
     if (frame->reference.map_id != map_->id()) return stale(*frame);
     lost_since_ns_.reset();

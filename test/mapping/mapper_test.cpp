@@ -1,0 +1,230 @@
+#include "mba_vo/mapping/mapper.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "support/rendered_sequence.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr int kFrames = 60;
+
+/// Sharp images are enough to tell what the mapper does with its input.
+const std::vector<FrameConstPtr>& frames() {
+  static const std::vector<FrameConstPtr> frames =
+      test::toFrames(test::renderFrames(test::sequenceConfig(0.0), 0, kFrames), true, 0.0);
+  return frames;
+}
+
+MapperConfig config() {
+  MapperConfig c;
+  c.deterministic = true;
+  return c;
+}
+
+TrackedFrameConstPtr report(const FrameConstPtr& frame, TrackingStatus status, const ReferenceId& reference = {},
+                            const SE3& T_reference_mid = {}) {
+  auto tracked = std::make_shared<TrackedFrame>();
+  tracked->frame = frame;
+  tracked->status = status;
+  tracked->reference = reference;
+  tracked->trajectory.T_reference_mid = T_reference_mid;
+  return tracked;
+}
+
+/// Frames of other times: the same images, `seconds` later.
+FrameConstPtr shifted(const FrameConstPtr& frame, double seconds) {
+  auto copy = std::make_shared<Frame>(*frame);
+  copy->sequence += 1000;
+  copy->mid_exposure_ns += std::llround(1e9 * seconds);
+  copy->stamp_ns = copy->mid_exposure_ns;
+  return copy;
+}
+
+/// Feeds frames that no tracker could track, until there is a map.
+struct Initialised {
+  MapperOutput output;
+  int frames_used = 0;
+};
+Initialised initialise(Mapper& mapper, double shift = 0.0) {
+  Initialised result;
+  for (const FrameConstPtr& frame : frames()) {
+    ++result.frames_used;
+    result.output = mapper.process(report(shift == 0.0 ? frame : shifted(frame, shift), TrackingStatus::kInitializing));
+    if (result.output.reference) return result;
+  }
+  ADD_FAILURE() << "no map: " << result.output.message;
+  return result;
+}
+
+/// Reports more frames without a pose, so that the mapper has time for the frames before its first keyframe.
+void settle(Mapper& mapper, const Initialised& initial) {
+  for (int i = 0; i < 14; ++i) {
+    const auto next = static_cast<std::size_t>(initial.frames_used + i);
+    EXPECT_EQ(mapper.process(report(frames().at(next), TrackingStatus::kInitializing)).reference, nullptr);
+  }
+}
+
+TEST(Mapper, SaysWhyThereIsNoMapYet) {
+  Mapper mapper(config());
+  const MapperOutput output = mapper.process(report(frames()[0], TrackingStatus::kInitializing));
+  EXPECT_FALSE(output.message.empty());
+  EXPECT_EQ(output.reference, nullptr);
+  EXPECT_FALSE(output.keyframe);
+  EXPECT_EQ(mapper.currentReference(), nullptr);
+  EXPECT_TRUE(mapper.trajectory().empty());
+  EXPECT_TRUE(mapper.points().empty());
+}
+
+TEST(Mapper, TheFirstReferenceTellsWhereTheNewestFrameIs) {
+  Mapper mapper(config());
+  const Initialised initial = initialise(mapper);
+  ASSERT_NE(initial.output.reference, nullptr);
+  const Reference& reference = *initial.output.reference;
+  EXPECT_EQ(mapper.currentReference(), initial.output.reference);
+  EXPECT_NE(initial.output.message.find("initialised"), std::string::npos) << initial.output.message;
+  EXPECT_EQ(reference.id.map_id, 1U);
+  EXPECT_GT(reference.points.size(), 100U);
+  EXPECT_EQ(reference.T_map_keyframe.count(reference.id.keyframe_id), 1U);
+  EXPECT_FALSE(mapper.points().empty());
+  ASSERT_TRUE(reference.hint);
+  settle(mapper, initial);
+  // The frames that had to wait are in the trajectory, each once, by time.
+  const auto trajectory = mapper.trajectory();
+  std::set<std::uint64_t> sequences;
+  std::int64_t last = 0;
+  for (const TrajectoryEntry& entry : trajectory) {
+    EXPECT_TRUE(sequences.insert(entry.frame_sequence).second);
+    EXPECT_GT(entry.mid_exposure_ns, last);
+    EXPECT_EQ(entry.map_id, 1U);
+    last = entry.mid_exposure_ns;
+  }
+  EXPECT_EQ(static_cast<int>(trajectory.size()), initial.frames_used);
+  // The hint is the newest of them, in the coordinates of the reference.
+  ASSERT_FALSE(trajectory.empty());
+  EXPECT_EQ(reference.hint->mid_exposure_ns, trajectory.back().mid_exposure_ns);
+  const SE3 T_map_hint = reference.T_map_reference * reference.hint->trajectory.T_reference_mid;
+  EXPECT_LT((T_map_hint.inverse() * trajectory.back().trajectory.T_reference_mid).log().norm(), 1e-9);
+}
+
+TEST(Mapper, AResultOfAnotherMapIsReportedAndNotUsed) {
+  Mapper mapper(config());
+  const Initialised initial = initialise(mapper);
+  ASSERT_NE(initial.output.reference, nullptr);
+  settle(mapper, initial);
+  const std::size_t before = mapper.trajectory().size();
+  const ReferenceConstPtr reference = mapper.currentReference();
+  ReferenceId other = reference->id;
+  other.map_id = 77;
+  const MapperOutput output = mapper.process(
+      report(frames()[static_cast<std::size_t>(initial.frames_used) + 14], TrackingStatus::kTracking, other));
+  EXPECT_NE(output.message.find("77"), std::string::npos) << output.message;
+  EXPECT_EQ(output.reference, nullptr);
+  EXPECT_FALSE(output.keyframe);
+  EXPECT_EQ(mapper.trajectory().size(), before);
+  EXPECT_EQ(mapper.currentReference(), reference);
+}
+
+TEST(Mapper, ATrackedFrameEntersTheTrajectoryAndALostOneDoesNot) {
+  Mapper mapper(config());
+  const Initialised initial = initialise(mapper);
+  ASSERT_NE(initial.output.reference, nullptr);
+  const Reference& reference = *initial.output.reference;
+  settle(mapper, initial);
+  const std::size_t before = mapper.trajectory().size();
+  const auto next = static_cast<std::size_t>(initial.frames_used) + 14;
+  mapper.process(report(frames()[next], TrackingStatus::kLost));
+  EXPECT_EQ(mapper.trajectory().size(), before);
+  const SE3 T_reference_mid = reference.hint->trajectory.T_reference_mid;
+  mapper.process(report(frames()[next + 1], TrackingStatus::kDegraded, reference.id, T_reference_mid));
+  const auto trajectory = mapper.trajectory();
+  ASSERT_EQ(trajectory.size(), before + 1);
+  EXPECT_EQ(trajectory.back().frame_sequence, next + 1);
+  const SE3 expected = reference.T_map_reference * T_reference_mid;
+  EXPECT_LT((trajectory.back().trajectory.T_reference_mid.inverse() * expected).log().norm(), 1e-9);
+}
+
+/// Reports frames as lost, or as waiting for a map once the tracker has given up, every 40 ms for so long.
+std::string loseFor(Mapper& mapper, double seconds, double tracker_gives_up_after) {
+  std::string messages;
+  for (double t = 0.0; t <= seconds; t += 0.04) {
+    const FrameConstPtr frame = shifted(frames().back(), 10.0 + t);
+    const bool given_up = t >= tracker_gives_up_after;
+    messages += mapper.process(report(frame, given_up ? TrackingStatus::kInitializing : TrackingStatus::kLost)).message;
+  }
+  return messages;
+}
+
+TEST(Mapper, BeingLostForLongBeginsANewMapWithANewId) {
+  Mapper mapper(config());
+  ASSERT_NE(initialise(mapper).output.reference, nullptr);
+  const std::size_t before = mapper.trajectory().size();
+  loseFor(mapper, 0.8, 1e9);
+  EXPECT_NE(mapper.currentReference(), nullptr) << "not lost for long yet";
+  const std::string messages = loseFor(mapper, 1.3, 1e9);
+  EXPECT_NE(messages.find("lost"), std::string::npos) << messages;
+  EXPECT_EQ(mapper.currentReference(), nullptr);
+  const Initialised again = initialise(mapper, 20.0);
+  ASSERT_NE(again.output.reference, nullptr);
+  EXPECT_EQ(again.output.reference->id.map_id, 2U);
+  const auto trajectory = mapper.trajectory();
+  EXPECT_GT(trajectory.size(), before);
+  EXPECT_EQ(trajectory.front().map_id, 1U);
+  EXPECT_EQ(trajectory.back().map_id, 2U);
+}
+
+TEST(Mapper, GivesUpItsMapTogetherWithTheTracker) {
+  // The tracker, lost for as long, reports INITIALIZING from then on: the mapper must not wait for one more LOST.
+  Mapper mapper(config());
+  ASSERT_NE(initialise(mapper).output.reference, nullptr);
+  loseFor(mapper, 1.3, config().restart_after_lost);
+  EXPECT_EQ(mapper.currentReference(), nullptr);
+}
+
+TEST(Mapper, ATrackedFrameEndsBeingLost) {
+  Mapper mapper(config());
+  const Initialised initial = initialise(mapper);
+  ASSERT_NE(initial.output.reference, nullptr);
+  const Reference& reference = *initial.output.reference;
+  for (int i = 0; i < 5; ++i) {
+    const double t = 10.0 + 0.7 * i;
+    mapper.process(report(shifted(frames()[0], t), TrackingStatus::kLost));
+    mapper.process(report(shifted(frames()[1], t), TrackingStatus::kTracking, reference.id,
+                          reference.hint->trajectory.T_reference_mid));
+  }
+  EXPECT_NE(mapper.currentReference(), nullptr);
+}
+
+TEST(Mapper, ARestartedTrackerIsGivenTheCurrentReferenceAgain) {
+  Mapper mapper(config());
+  const Initialised initial = initialise(mapper);
+  ASSERT_NE(initial.output.reference, nullptr);
+  ReferenceConstPtr again;
+  for (int i = 0; i < 40 && !again; ++i) {
+    again = mapper.process(report(shifted(frames()[0], 5.0 + 0.04 * i), TrackingStatus::kInitializing)).reference;
+  }
+  ASSERT_NE(again, nullptr);
+  EXPECT_EQ(again->id.map_id, initial.output.reference->id.map_id);
+  ASSERT_TRUE(again->hint);
+  EXPECT_EQ(again->hint->mid_exposure_ns, mapper.trajectory().back().mid_exposure_ns);
+  const SE3 T_map_hint = again->T_map_reference * again->hint->trajectory.T_reference_mid;
+  EXPECT_LT((T_map_hint.inverse() * mapper.trajectory().back().trajectory.T_reference_mid).log().norm(), 1e-9);
+}
+
+TEST(Mapper, ResetForgetsTheMapButNotTheTrajectory) {
+  Mapper mapper(config());
+  ASSERT_NE(initialise(mapper).output.reference, nullptr);
+  const std::size_t before = mapper.trajectory().size();
+  mapper.reset();
+  EXPECT_EQ(mapper.currentReference(), nullptr);
+  EXPECT_TRUE(mapper.points().empty());
+  EXPECT_EQ(mapper.trajectory().size(), before);
+  const Initialised again = initialise(mapper, 20.0);
+  ASSERT_NE(again.output.reference, nullptr);
+  EXPECT_EQ(again.output.reference->id.map_id, 2U);
+}
+
+}  // namespace
+}  // namespace mba_vo

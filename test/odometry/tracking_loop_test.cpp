@@ -1,0 +1,220 @@
+#include "mba_vo/odometry/tracking_loop.h"
+
+#include <gtest/gtest.h>
+
+#include "support/rendered_room.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr int kFirst = 40;  // of the frames in use
+constexpr int kCount = 16;
+
+const std::vector<SimulatedFrame>& views() {
+  static const std::vector<SimulatedFrame> views = [] {
+    std::vector<SimulatedFrame> v;
+    for (int i = 0; i < kCount; ++i) v.push_back(test::roomSimulator().render(kFirst + i));
+    return v;
+  }();
+  return views;
+}
+
+const SimulatedFrame& view(int index) { return views().at(static_cast<std::size_t>(index)); }
+FrameConstPtr frame(int index) { return test::makeFrame(view(index), view(index).exposure); }
+
+SE3 truth(int from, int to) { return view(from).T_world_mid.inverse() * view(to).T_world_mid; }
+
+ExposureTrajectory trueTrajectory(int reference, int index) {
+  const SimulatedFrame& v = view(index);
+  return {truth(reference, index), (v.T_world_start.inverse() * v.T_world_end).log() / v.exposure, v.exposure};
+}
+
+/// Reference with true depths about a frame, at `T_map_reference`; the hint tells of frame `hint`.
+std::shared_ptr<Reference> makeReference(MapId map, KeyframeId keyframe, int index, const SE3& T_map_reference,
+                                         std::optional<int> hint = {}) {
+  auto reference = test::makeReference(view(index), test::toFloat(view(index).sharp));
+  reference->id = {map, keyframe, 0};
+  reference->T_map_reference = T_map_reference;
+  reference->T_map_keyframe = {{keyframe, T_map_reference}};
+  if (hint) reference->hint = {view(*hint).id, view(*hint).mid_exposure_ns, trueTrajectory(index, *hint)};
+  return reference;
+}
+
+SE3 someCorrection() {
+  Vector6 correction;
+  correction << 0.3, -0.2, 0.1, 0.05, 0.2, -0.1;
+  return SE3::exp(correction);
+}
+
+double distance(const SE3& a, const SE3& b) { return (a.inverse() * b).log().norm(); }
+
+/// 5 mm and 5 mrad: about a pixel.
+constexpr double kClose = 5e-3;
+
+FrameConstPtr blank(double seconds_later) {
+  return test::makeFrame(cv::Mat1f(240, 376, 90.0F),
+                         view(kCount - 1).mid_exposure_ns + std::llround(1e9 * seconds_later), 0.02, 500);
+}
+
+TEST(TrackingLoop, FramesBeforeThereIsAMapAreInitializing) {
+  TrackingLoop loop{OdometryConfig()};
+  const TrackedFrameConstPtr tracked = loop.process(frame(0));
+  ASSERT_NE(tracked, nullptr);
+  EXPECT_EQ(tracked->status, TrackingStatus::kInitializing);
+  EXPECT_FALSE(tracked->reason.empty());
+  EXPECT_EQ(tracked->frame->sequence, view(0).id);
+  EXPECT_EQ(loop.reference(), nullptr);
+  EXPECT_EQ(distance(loop.T_odom_camera(), SE3()), 0.0);
+  EXPECT_EQ(distance(loop.T_map_odom(), SE3()), 0.0);
+}
+
+TEST(TrackingLoop, AReferenceWithoutAHintIsOfNoUseToBeginWith) {
+  TrackingLoop loop{OdometryConfig()};
+  loop.process(frame(0));
+  EXPECT_TRUE(loop.adopt(makeReference(1, 0, 0, SE3())).empty());
+  EXPECT_EQ(loop.reference(), nullptr);
+  EXPECT_EQ(loop.process(frame(1))->status, TrackingStatus::kInitializing);
+}
+
+TEST(TrackingLoop, FramesThatWaitedAreTrackedFromTheHintOn) {
+  TrackingLoop loop{OdometryConfig()};
+  for (int i = 0; i <= 5; ++i) loop.process(frame(i));
+  const auto late = loop.adopt(makeReference(1, 0, 0, someCorrection(), 2));
+  ASSERT_EQ(late.size(), 3U);  // frames 3, 4 and 5
+  for (int i = 3; i <= 5; ++i) {
+    const TrackedFrame& tracked = *late.at(static_cast<std::size_t>(i - 3));
+    EXPECT_EQ(tracked.frame->sequence, view(i).id);
+    EXPECT_EQ(tracked.status, TrackingStatus::kTracking) << tracked.reason;
+    EXPECT_EQ(tracked.reference.map_id, 1U);
+    EXPECT_LT(distance(tracked.trajectory.T_reference_mid, truth(0, i)), kClose);
+  }
+  // Once is enough.
+  EXPECT_TRUE(loop.adopt(makeReference(1, 0, 0, someCorrection())).empty());
+  const TrackedFrameConstPtr next = loop.process(frame(6));
+  EXPECT_EQ(next->status, TrackingStatus::kTracking);
+  EXPECT_LT(distance(next->trajectory.T_reference_mid, truth(0, 6)), kClose);
+}
+
+/// T_map_odom T_odom_camera is where the camera is in the map, by its reference.
+void expectConsistent(const TrackingLoop& loop, const TrackedFrame& tracked) {
+  const SE3 T_map_camera = loop.reference()->T_map_reference * tracked.trajectory.T_reference_mid;
+  EXPECT_LT(distance(loop.T_map_odom() * loop.T_odom_camera(), T_map_camera), 1e-9);
+}
+
+TEST(TrackingLoop, OdometryDoesNotJumpWhenTheMapIsCorrected) {
+  TrackingLoop loop{OdometryConfig()};
+  loop.adopt(makeReference(1, 0, 0, SE3(), 0));
+  loop.process(frame(1));
+  loop.process(frame(2));
+  expectConsistent(loop, *loop.process(frame(3)));
+  SE3 last = loop.T_odom_camera();
+  const SE3 map_before = loop.T_map_odom();
+
+  // A new keyframe (frame 2), and everything in the map has moved.
+  const SE3 correction = someCorrection();
+  auto next = makeReference(1, 1, 2, correction * truth(0, 2));
+  next->T_map_keyframe[0] = correction;
+  loop.adopt(next);
+  EXPECT_EQ(loop.reference(), next);
+  EXPECT_LT(distance(loop.T_odom_camera(), last), 1e-12);
+  EXPECT_LT(distance(loop.T_map_odom(), correction * map_before), 1e-9);
+  for (int i = 4; i <= 8; ++i) {
+    const TrackedFrameConstPtr tracked = loop.process(frame(i));
+    EXPECT_EQ(tracked->status, TrackingStatus::kTracking) << tracked->reason;
+    EXPECT_EQ(tracked->reference.keyframe_id, 1U);
+    EXPECT_LT(distance(tracked->trajectory.T_reference_mid, truth(2, i)), kClose);
+    EXPECT_LT(distance(last.inverse() * loop.T_odom_camera(), truth(i - 1, i)), 2 * kClose) << "frame " << i;
+    expectConsistent(loop, *tracked);
+    last = loop.T_odom_camera();
+  }
+}
+
+TEST(TrackingLoop, GoesOnWhenItsKeyframeHasLeftTheWindow) {
+  TrackingLoop loop{OdometryConfig()};
+  loop.adopt(makeReference(1, 0, 0, someCorrection(), 0));
+  for (int i = 1; i <= 3; ++i) loop.process(frame(i));
+  const SE3 last = loop.T_odom_camera();
+  loop.adopt(makeReference(1, 5, 3, someCorrection() * truth(0, 3)));  // does not know keyframe 0
+  EXPECT_LT(distance(loop.T_odom_camera(), last), 1e-12);
+  const TrackedFrameConstPtr tracked = loop.process(frame(4));
+  EXPECT_EQ(tracked->status, TrackingStatus::kTracking) << tracked->reason;
+  EXPECT_LT(distance(last.inverse() * loop.T_odom_camera(), truth(3, 4)), 2 * kClose);
+  expectConsistent(loop, *tracked);
+}
+
+TEST(TrackingLoop, AReferenceOfAnotherMapWithoutAHintChangesNothing) {
+  TrackingLoop loop{OdometryConfig()};
+  const ReferenceConstPtr first = makeReference(1, 0, 0, SE3(), 0);
+  loop.adopt(first);
+  loop.process(frame(1));
+  EXPECT_TRUE(loop.adopt(makeReference(2, 0, 1, someCorrection())).empty());
+  EXPECT_EQ(loop.reference(), first);
+  EXPECT_EQ(loop.process(frame(2))->reference.map_id, 1U);
+}
+
+TEST(TrackingLoop, BeginsANewMapAfterBeingLostAndOdometryGoesOnFromThere) {
+  const OdometryConfig config;
+  TrackingLoop loop(config);
+  loop.adopt(makeReference(1, 0, 0, SE3(), 0));
+  for (int i = 1; i <= 3; ++i) loop.process(frame(i));
+  const SE3 last = loop.T_odom_camera();
+  for (double t = 0.0; t < config.mapper.restart_after_lost - 0.01; t += 0.2) {
+    const TrackedFrameConstPtr tracked = loop.process(blank(t));
+    EXPECT_EQ(tracked->status, TrackingStatus::kLost) << t;
+    EXPECT_FALSE(tracked->reason.empty());
+  }
+  EXPECT_EQ(loop.process(blank(config.mapper.restart_after_lost))->status, TrackingStatus::kInitializing);
+  EXPECT_EQ(loop.reference(), nullptr);
+  EXPECT_LT(distance(loop.T_odom_camera(), last), 1e-12);
+  loop.adopt(makeReference(2, 0, 6, someCorrection(), 6));
+  EXPECT_LT(distance(loop.T_odom_camera(), last), 1e-12);
+  const TrackedFrameConstPtr tracked = loop.process(frame(7));
+  EXPECT_EQ(tracked->status, TrackingStatus::kTracking) << tracked->reason;
+  EXPECT_EQ(tracked->reference.map_id, 2U);
+  EXPECT_LT(distance(last.inverse() * loop.T_odom_camera(), truth(6, 7)), kClose);
+  expectConsistent(loop, *tracked);
+}
+
+TEST(TrackingLoop, FindsItselfAgainIfItIsNotLostForLong) {
+  TrackingLoop loop{OdometryConfig()};
+  loop.adopt(makeReference(1, 0, 3, SE3(), 3));
+  loop.process(frame(4));
+  EXPECT_EQ(loop.process(test::makeFrame(cv::Mat1f(240, 376, 90.0F), view(5).mid_exposure_ns, 0.02))->status,
+            TrackingStatus::kLost);
+  const TrackedFrameConstPtr tracked = loop.process(frame(6));
+  EXPECT_EQ(tracked->status, TrackingStatus::kTracking) << tracked->reason;
+  EXPECT_LT(distance(tracked->trajectory.T_reference_mid, truth(3, 6)), kClose);
+}
+
+TEST(TrackingLoop, ResetForgetsReferenceAndWaitingFrames) {
+  TrackingLoop loop{OdometryConfig()};
+  loop.process(frame(0));
+  loop.adopt(makeReference(1, 0, 0, SE3(), 0));
+  loop.process(frame(1));
+  loop.reset();
+  EXPECT_EQ(loop.reference(), nullptr);
+  EXPECT_EQ(distance(loop.T_odom_camera(), SE3()), 0.0);
+  EXPECT_EQ(loop.process(frame(2))->status, TrackingStatus::kInitializing);
+  loop.reset();
+  EXPECT_TRUE(loop.adopt(makeReference(2, 0, 0, SE3(), 0)).empty());
+}
+
+TEST(TrackingLoop, AsksForAKeyframeWhenTheViewHasChanged) {
+  OdometryConfig config;
+  config.keyframe.flow_px = 5.0;
+  config.keyframe.parallax_px = 5.0;
+  config.keyframe.patience = 0.0;
+  TrackingLoop eager(config);
+  eager.adopt(makeReference(1, 0, 0, SE3(), 0));
+  bool asked = false;
+  for (int i = 1; i <= 6; ++i) asked |= eager.process(frame(i))->keyframe_requested;
+  EXPECT_TRUE(asked);
+  config.keyframe.flow_px = config.keyframe.parallax_px = 1000.0;
+  config.keyframe.min_visible_fraction = 0.0;
+  TrackingLoop patient(config);
+  patient.adopt(makeReference(1, 0, 0, SE3(), 0));
+  for (int i = 1; i <= 6; ++i) EXPECT_FALSE(patient.process(frame(i))->keyframe_requested);
+}
+
+}  // namespace
+}  // namespace mba_vo

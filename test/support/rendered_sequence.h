@@ -1,0 +1,51 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mba_vo/image/frame_builder.h"
+#include "mba_vo/simulation/frame_cache.h"
+#include "simulation/test_scenes.h"
+
+namespace mba_vo::test {
+
+/// Frames of a camera shaken in the room of seed 1, with sharp twins. Once rendered they stay in the folder for
+/// temporary files.
+struct RenderedSequence {
+  CameraCalibration calibration;
+  std::vector<SimulatedFrame> frames;
+};
+
+inline SimulationConfig sequenceConfig(double exposure) {
+  SimulationConfig config;
+  config.resize(376, 240);
+  config.exposure = exposure;
+  config.sharp = true;
+  return config;
+}
+
+inline RenderedSequence renderFrames(const SimulationConfig& config, int first, int count) {
+  const Simulator simulator(config, sharedRoom());
+  const std::string folder = "mba_vo_test_frames_" + std::to_string(::getuid());
+  const FrameCache cache((std::filesystem::temp_directory_path() / folder).string(), config);
+  RenderedSequence sequence{simulator.calibration(), {}};
+  for (int i = first; i < first + count; ++i) sequence.frames.push_back(renderCached(simulator, i, cache));
+  return sequence;
+}
+
+/// The sequence as the odometry gets it. `exposure` is what it is told.
+inline std::vector<FrameConstPtr> toFrames(const RenderedSequence& sequence, bool sharp,
+                                           std::optional<double> exposure) {
+  const FrameBuilder builder(sequence.calibration, {}, {});
+  std::vector<FrameConstPtr> frames;
+  for (const SimulatedFrame& f : sequence.frames) {
+    frames.push_back(builder.build(sharp ? f.sharp : f.blurred, f.id, f.mid_exposure_ns, f.mid_exposure_ns, exposure));
+  }
+  return frames;
+}
+
+}  // namespace mba_vo::test
