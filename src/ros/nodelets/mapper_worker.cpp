@@ -76,7 +76,8 @@ void MapperWorker::process(const TrackedFrameMessage& message) {
   followSession(message.summary);
   const TrackedFrame& tracked = *message.tracked;
   const bool stale = tracked.tracked() && tracked.reference.map_id != map_id_;
-  const MapperOutput output = mapper_.process(message.tracked);
+  MapperOutput output;
+  one_core_.execute([&] { output = mapper_.process(message.tracked); });
   status_.frameProcessed(tracked, output, stale);
   if (output.reference) {
     publishReference(output.reference, message.summary);

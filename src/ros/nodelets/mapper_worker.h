@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tbb/task_arena.h>
 #include <future>
 #include <string>
 #include <thread>
@@ -44,6 +45,7 @@ class MapperWorker {
   BoundedQueue<Job> queue_;
 
   // Of the thread alone from here on.
+  tbb::task_arena one_core_{1};  // parallel loops of the mapper must not take the tracker's core
   Mapper mapper_;
   std::uint64_t session_ = 0;  // of the newest frame; 0 = none yet
   MapId map_id_ = 0;           // of the newest reference
