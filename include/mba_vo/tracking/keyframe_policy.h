@@ -5,8 +5,8 @@
 namespace mba_vo {
 
 struct KeyframePolicyConfig {
-  double flow_px = 62.0;
-  double parallax_px = 32.0;
+  double flow_px = 55.0;
+  double parallax_px = 27.0;
   double brightness_change = 0.5;
   double min_visible_fraction = 0.7;
   double sharp_blur_px = 2.0;

@@ -13,8 +13,8 @@ namespace mba_vo {
 /// Options of the blur-aware tracker. `describe` names every option once, for YAML, ROS parameters and documentation.
 struct TrackerConfig {
   int pyramid_levels = 5;
-  int max_points = 440;
-  int max_iterations = 15;
+  int max_points = 340;
+  int max_iterations = 10;
   double huber_threshold = 9.0;
   double sample_spacing_px = 1.25;
   int max_samples = 64;

@@ -1,10 +1,11 @@
 #pragma once
 
-#include <tbb/task_arena.h>
 #include <future>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include <tbb/task_arena.h>
 
 #include "map_publisher.h"
 #include "mapper_status_reporter.h"
