@@ -1,5 +1,6 @@
 #include "mba_vo/odometry/tracking_loop.h"
 
+#include <algorithm>
 #include <deque>
 #include <optional>
 #include <utility>
@@ -10,6 +11,13 @@ namespace mba_vo {
 namespace {
 
 constexpr std::size_t kMaxWaiting = 40;  // frames kept for the first reference of a map
+
+/// For frames that had to wait, while newer ones are waiting behind them: half the patches.
+TrackerConfig hasty(TrackerConfig config) {
+  config.max_points = std::max(config.max_points / 2, config.min_patches);
+  config.max_iterations = std::max(config.max_iterations / 2, 1);
+  return config;
+}
 
 TrackedFrameConstPtr untracked(const FrameConstPtr& frame, TrackingStatus status, const std::string& reason) {
   auto tracked = std::make_shared<TrackedFrame>();
@@ -26,6 +34,7 @@ class TrackingLoop::Impl {
   explicit Impl(const OdometryConfig& config)
       : tracker_config_(config.tracker),
         tracker_(config.tracker),
+        catch_up_tracker_(hasty(config.tracker)),
         keyframe_policy_(config.keyframe),
         restart_after_lost_(config.mapper.restart_after_lost) {}
 
@@ -36,7 +45,7 @@ class TrackingLoop::Impl {
       if (waiting_.size() > kMaxWaiting) waiting_.pop_front();
       return untracked(frame, TrackingStatus::kInitializing, "no map yet");
     }
-    return track(frame);
+    return track(frame, tracker_);
   }
 
   bool take(const ReferenceConstPtr& reference) {
@@ -60,7 +69,7 @@ class TrackingLoop::Impl {
     while (reference_ && !waiting_.empty()) {
       const FrameConstPtr frame = waiting_.front();
       waiting_.pop_front();
-      if (frame->mid_exposure_ns > motion_.lastNs()) return track(frame);
+      if (frame->mid_exposure_ns > motion_.lastNs()) return track(frame, catch_up_tracker_);
     }
     return nullptr;
   }
@@ -78,11 +87,11 @@ class TrackingLoop::Impl {
   ReferenceConstPtr reference() const { return reference_; }
 
  private:
-  TrackedFrameConstPtr track(const FrameConstPtr& frame) {
+  TrackedFrameConstPtr track(const FrameConstPtr& frame, const Tracker& tracker) {
     TrackingGuess guess(motion_.priorAt(frame->mid_exposure_ns),
                         frame->exposure.value_or(tracker_config_.unknown_exposure));
     guess.brightness = brightness_;
-    auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
+    auto tracked = std::make_shared<TrackedFrame>(tracker.track(*reference_, frame, guess));
     if (!tracked->tracked()) {
       if (!lost_since_ns_) lost_since_ns_ = frame->mid_exposure_ns;
     } else {
@@ -108,6 +117,7 @@ class TrackingLoop::Impl {
 
   TrackerConfig tracker_config_;
   Tracker tracker_;
+  Tracker catch_up_tracker_;
   KeyframePolicy keyframe_policy_;
   double restart_after_lost_;  // [s]
   ReferenceConstPtr reference_;
