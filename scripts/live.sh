@@ -33,7 +33,13 @@ for sequence in "${sequences[@]}"; do
   folder=$output/$sequence
   mkdir -p "$folder"
   rm -f "$folder"/*trajectory.*
-  [ -s "$folder/sequence.bag" ] || "$bin/mba_vo_make_bag" "$data/$sequence" --output "$folder/sequence.bag" >/dev/null
+  # A bag cannot hold the time 0, at which some sequences begin.
+  offset=$(awk '!/^#/ {print ($2 < 1 ? 1 : 0); exit}' "$data/$sequence/times.txt")
+  awk -v offset="$offset" '/^#/ || offset == 0 {print; next} {$1 = sprintf("%.9f", $1 + offset); print}' \
+    "$data/$sequence/groundtruth.txt" >"$folder/groundtruth.txt"
+  if [ ! -s "$folder/sequence.bag" ]; then
+    "$bin/mba_vo_make_bag" "$data/$sequence" --output "$folder/sequence.bag" --time-offset "$offset" >/dev/null
+  fi
   scripts/live_report.py >"$folder/report.txt" 2>&1 &
   report=$!
   roslaunch mba_vo demo.launch bag:="$folder/sequence.bag" output:="$folder" >"$folder/log.txt" 2>&1 || true
@@ -41,6 +47,6 @@ for sequence in "${sequences[@]}"; do
   wait "$report" || true
   printf '\n== %s\n' "$sequence"
   cat "$folder/report.txt"
-  "$bin/mba_vo_evaluate" --groundtruth "$data/$sequence/groundtruth.txt" --estimate "$folder/trajectory.txt" \
+  "$bin/mba_vo_evaluate" --groundtruth "$folder/groundtruth.txt" --estimate "$folder/trajectory.txt" \
     --plot "$folder/trajectory.png"
 done

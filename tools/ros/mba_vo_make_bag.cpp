@@ -1,4 +1,6 @@
 // Turns a sequence folder into a bag that a live node can be fed with.
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 
@@ -15,19 +17,25 @@ int main(int argc, char** argv) {
   app.add_option("--images", images, "subfolder of the images")->capture_default_str();
   app.add_option("--stamp-reference", stamp_reference, "what the stamps shall refer to: start, middle, end")
       ->capture_default_str();
+  double time_offset = 0.0;
+  app.add_option("--time-offset", time_offset, "added to all times [s]; a bag cannot hold the time 0")
+      ->check(CLI::Range(-1e9, 1e9))
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
     const auto reader = mba_vo::openSequenceFolder(sequence, images);
     mba_vo::BagImageWriter writer(output, reader->calibration(), mba_vo::parseStampReference(stamp_reference));
+    const std::int64_t offset_ns = std::llround(1e9 * time_offset);
     std::size_t count = 0;
     while (const auto image = reader->next()) {
-      writer.write(image->mid_exposure_ns, image->exposure, image->image);
+      writer.write(image->mid_exposure_ns + offset_ns, image->exposure, image->image);
       ++count;
     }
     writer.close();
     std::printf("%s: %zu images\n", output.c_str(), count);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "mba_vo_make_bag: %s\n", error.what());
+    std::remove(output.c_str());  // half a bag is worse than none
     return 1;
   }
   return 0;
