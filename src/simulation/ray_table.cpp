@@ -37,6 +37,7 @@ class RaySolver {
       cv::fisheye::distortPoints(rays, back, K_, D_);
     } else {
       std::vector<cv::Point3d> points;
+      points.reserve(rays.size());
       for (const auto& ray : rays) points.emplace_back(ray.x, ray.y, 1.0);
       cv::projectPoints(points, none, none, K_, D_, back);
     }

@@ -40,8 +40,9 @@ std::array<float, 6> fitLight(const Surface& s, double gain) {
   Eigen::Matrix<double, kSamples * kSamples, 6> terms;
   Eigen::Matrix<double, kSamples * kSamples, 1> values;
   for (int i = 0; i < kSamples * kSamples; ++i) {
+    const int row = i / kSamples;
     const double u = s.length_u * (i % kSamples) / (kSamples - 1);
-    const double v = s.length_v * (i / kSamples) / (kSamples - 1);
+    const double v = s.length_v * row / (kSamples - 1);
     terms.row(i) << 1.0, u, v, u * u, u * v, v * v;
     values(i) = 255.0 * gain * lightAt(s.origin + u * s.axis_u + v * s.axis_v, s.normal());
   }

@@ -85,8 +85,9 @@ double blurAtTwoMetres(const PinholeCamera& camera, const SimulatedFrame& frame)
   const SE3 T_end_mid = frame.T_world_end.inverse() * frame.T_world_mid;
   double sum = 0.0;
   for (int i = 0; i < kGrid * kGrid; ++i) {
-    const Eigen::Vector2d pixel((i % kGrid + 0.5) * camera.width / kGrid - 0.5,
-                                (i / kGrid + 0.5) * camera.height / kGrid - 0.5);
+    const int column = i % kGrid;
+    const int row = i / kGrid;
+    const Eigen::Vector2d pixel((column + 0.5) * camera.width / kGrid - 0.5, (row + 0.5) * camera.height / kGrid - 0.5);
     const Eigen::Vector3d point = kDepth * camera.unproject(pixel);
     sum += (camera.project(T_end_mid * point) - camera.project(T_start_mid * point)).norm();
   }

@@ -68,6 +68,7 @@ void Canvas::rectangle(cv::Point2d from, cv::Point2d to, double tone) {
 
 void Canvas::polygon(const std::vector<cv::Point2d>& corners, double tone) {
   std::vector<cv::Point> points;
+  points.reserve(corners.size());
   for (const cv::Point2d& corner : corners) points.push_back(scaled(corner));
   cv::fillPoly(fine_, std::vector<std::vector<cv::Point>>{points}, cv::Scalar(tone), cv::LINE_8, kShift);
 }
@@ -89,9 +90,12 @@ void Canvas::wrappedPolygon(cv::Point2d center, double radius, int corners, doub
     points.emplace_back(r * std::cos(a), r * std::sin(a));
   }
   for (int shift = 0; shift < 9; ++shift) {
-    const cv::Point2d copy = center + cv::Point2d(shift % 3 - 1, shift / 3 - 1);
+    const int column = shift % 3;
+    const int row = shift / 3;
+    const cv::Point2d copy = center + cv::Point2d(column - 1, row - 1);
     if (copy.x < -radius || copy.y < -radius || copy.x > 1.0 + radius || copy.y > 1.0 + radius) continue;
     std::vector<cv::Point2d> moved;
+    moved.reserve(points.size());
     for (const cv::Point2d& p : points) moved.push_back(p + copy);
     polygon(moved, tone);
   }
@@ -172,7 +176,9 @@ void Canvas::paintHouses(cv::Point2d from, cv::Point2d to, cv::RNG& random) {
     polygon({corner, corner + cv::Point2d(w, 0.0), corner + cv::Point2d(0.5 * w, -0.3 * w)}, 0.3 * wall);
     const int rows = random.uniform(2, 6);
     for (int i = 0; i < 3 * rows; ++i) {
-      const cv::Point2d window = corner + cv::Point2d((0.12 + 0.3 * (i % 3)) * w, (i / 3 + 0.25) * h / rows);
+      const int column = i % 3;
+      const int row = i / 3;
+      const cv::Point2d window = corner + cv::Point2d((0.12 + 0.3 * column) * w, (row + 0.25) * h / rows);
       rectangle(window, window + cv::Point2d(0.18 * w, 0.5 * h / rows), wall > 0.6 ? 0.12 : 0.9);
     }
   }

@@ -6,9 +6,9 @@
 
 namespace mba_vo {
 
-/// Adds weight * light of `surface` to the pixels of a block; the texture is filtered to the size of a pixel.
+/// Adds weight * light of `projected` to the pixels of a block; the texture is filtered to the size of a pixel.
 /// `weights`: RayBlock::kPixels values, null = 1 everywhere.
-void shade(const RayBlock& block, const ProjectedSurface& surface, const float* weights, float* light);
+void shade(const RayBlock& block, const ProjectedSurface& projected, const float* weights, float* light);
 
 /// What the pixels of a block see.
 class VisibilityBuffer {
