@@ -58,6 +58,11 @@ class Run {
     result.log.add(odometry, verdict.reason);
   }
 
+  void finish(StageTimes& times) {
+    const Stopwatch stopwatch(times.mapping);
+    odometry_.finish();
+  }
+
   std::vector<TrajectoryEntry> trajectory() const { return odometry_.trajectory(); }
 
  private:
@@ -95,6 +100,7 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
       }
       progress(done);
     }
+    run.finish(result.times);
   }
   result.trajectory = run.trajectory();
   result.log.settle(result.trajectory);

@@ -1,17 +1,15 @@
 #include "mba_vo/mapping/mapper.h"
 
-#include <algorithm>
-#include <iterator>
 #include <utility>
 
+#include "mba_vo/mapping/backward_tracking.h"
 #include "mba_vo/mapping/kinematic_blur.h"
-#include "mba_vo/mapping/replay.h"
 
 namespace mba_vo {
 namespace {
 
-constexpr int kBackwardPerFrame = 2;    // a live tracker waits for the first reference, not for poses of the past
-constexpr int kFramesUntilResend = 15;  // the first reference may still be on its way for a while
+constexpr KeyframeId kSettledKeyframe = 4;  // from this one on the first keyframe's points have good depths
+constexpr int kFramesUntilResend = 15;      // the first reference may still be on its way for a while
 
 }  // namespace
 
@@ -22,7 +20,6 @@ class Mapper::Impl {
 
   MapperOutput process(const TrackedFrameConstPtr& frame) {
     if (!map_) return initialize(frame->frame);
-    for (int i = 0; i < kBackwardPerFrame; ++i) trackBackwards();
     // A tracker that was lost for so long that it gave up its reference reports INITIALIZING.
     if (frame->status == TrackingStatus::kLost || (lost_since_ns_ && !frame->tracked())) return handleLost(*frame);
     if (!frame->tracked()) return resend();
@@ -32,6 +29,18 @@ class Mapper::Impl {
     return refine(frame);
   }
 
+  bool hasDeferredWork() const { return backward_ && !backward_->done(); }
+
+  bool doDeferredWork() {
+    if (!hasDeferredWork() || map_->newestKeyframe() < kSettledKeyframe) return false;
+    trackBackwards();
+    return true;
+  }
+
+  void finishDeferredWork() {
+    while (hasDeferredWork()) trackBackwards();
+  }
+
   void reset() {
     map_.reset();
     reference_.reset();
@@ -39,6 +48,7 @@ class Mapper::Impl {
     lost_since_ns_.reset();
     candidate_.reset();
     backward_.reset();
+    first_keyframe_.reset();
     motion_ = {};
   }
 
@@ -58,52 +68,37 @@ class Mapper::Impl {
     map_ = std::make_unique<LocalMap>(config_, next_map_id_++, *initial, velocity, store_);
     output.message =
         "map " + std::to_string(map_->id()) + " initialised with " + std::to_string(initial->points.size()) + " points";
-    output.reference = replayBuffer(std::move(initial), velocity, initializer_.bufferedFrames());
+    reference_ = begin(std::move(initial), velocity);
     initializer_.reset();
+    output.reference = reference_;
     return output;
   }
 
-  /// Tracks the buffered frames after the new map's reference, which may become keyframes. Those before it are kept to
-  /// be tracked backwards in time by and by.
-  ReferenceConstPtr replayBuffer(std::unique_ptr<InitialMap> initial_map, const Vector6& velocity,
-                                 const std::vector<FrameConstPtr>& frames) {
-    const InitialMap& initial = *initial_map;
-    const std::int64_t origin_ns = initial.reference->mid_exposure_ns;
-    const KeyframeId first_keyframe = map_->newestKeyframe();
-    reference_ = map_->makeReference(first_keyframe);
-    ReferenceConstPtr reference = reference_;
-    const ExposureTrajectory start{SE3(), velocity,
-                                   initial.reference->exposure.value_or(config_.tracker.unknown_exposure)};
-    integrate(referenceItself(*reference, initial.reference, start));
-    Replay forward(config_, initial, {start, origin_ns});
-    for (const FrameConstPtr& frame : frames) {
-      if (frame->mid_exposure_ns <= origin_ns) continue;
-      auto tracked = std::make_shared<TrackedFrame>(forward.track(*reference, frame));
-      if (!tracked->tracked()) continue;
-      if (!integrate(tracked)) continue;
-      forward.changeReference(reference_->T_map_reference.inverse() *
-                              reference_->T_map_keyframe.at(reference->id.keyframe_id));
-      reference = reference_;
+  /// The first reference, with a hint about its own frame: the tracker goes on from there with the frames that had to
+  /// wait. Those that came before are tracked backwards when there is time.
+  ReferenceConstPtr begin(std::unique_ptr<InitialMap> initial, const Vector6& velocity) {
+    const FrameConstPtr frame = initial->reference;
+    const ExposureTrajectory start{SE3(), velocity, frame->exposure.value_or(config_.tracker.unknown_exposure)};
+    const std::shared_ptr<Reference> reference = map_->makeReference(map_->newestKeyframe());
+    reference->hint = TrackingHint{frame->sequence, frame->mid_exposure_ns, start};
+    reference_ = reference;
+    integrate(referenceItself(*reference, frame, start));
+    backward_.emplace(config_, std::move(initial), MotionState(start, frame->mid_exposure_ns),
+                      initializer_.bufferedFrames());
+    first_keyframe_ = reference_;
+    return reference;
+  }
+
+  /// While the first keyframe is in the window, its points get better.
+  void updateFirstKeyframe() {
+    if (!first_keyframe_ || !map_->has(first_keyframe_->id.keyframe_id)) return;
+    if (map_->newestKeyframe() <= kSettledKeyframe) {
+      first_keyframe_ = map_->makeReference(first_keyframe_->id.keyframe_id);
     }
-    if (map_->has(first_keyframe)) {
-      const auto before = [&](const FrameConstPtr& frame) { return frame->mid_exposure_ns < origin_ns; };
-      const Replay replay(config_, initial, {start, origin_ns});
-      backward_.emplace(Backward{std::move(initial_map), replay, map_->makeReference(first_keyframe), {}});
-      std::copy_if(frames.begin(), frames.end(), std::back_inserter(backward_->frames), before);
-    }
-    auto with_hint = std::make_shared<Reference>(*reference_);
-    with_hint->hint = TrackingHint{0, forward.motion().lastNs(), forward.motion().last()};
-    reference_ = with_hint;
-    return reference_;
   }
 
   void trackBackwards() {
-    if (!backward_ || backward_->frames.empty()) {
-      backward_.reset();
-      return;
-    }
-    const TrackedFrame tracked = backward_->replay.track(*backward_->reference, backward_->frames.back());
-    backward_->frames.pop_back();
+    const TrackedFrame tracked = backward_->next(*first_keyframe_);
     if (tracked.tracked()) store_.addFrame(tracked);
   }
 
@@ -139,6 +134,7 @@ class Mapper::Impl {
     }
     const KeyframeReport report = map_->insertKeyframe(*candidate, motion_.xiOfMiddle(exposureOf(*candidate)));
     reference_ = map_->makeReference(map_->newestKeyframe());
+    updateFirstKeyframe();
     return report;
   }
 
@@ -184,14 +180,6 @@ class Mapper::Impl {
     return output;
   }
 
-  /// Frames that came before the map's first keyframe.
-  struct Backward {
-    std::unique_ptr<InitialMap> initial;  // outlives the replay
-    Replay replay;
-    ReferenceConstPtr reference;
-    std::vector<FrameConstPtr> frames;  // by time
-  };
-
   MapperConfig config_;
   Initializer initializer_;
   KeyframePolicy keyframe_policy_;
@@ -201,9 +189,10 @@ class Mapper::Impl {
   MapId next_map_id_ = 1;
   std::optional<std::int64_t> lost_since_ns_;
   KinematicBlur motion_;
-  std::optional<Backward> backward_;
-  TrackedFrameConstPtr candidate_;  // becomes a keyframe with the next frame
-  TrackingHint last_;               // the newest tracked frame, relative to last_keyframe_
+  std::optional<BackwardTracking> backward_;
+  ReferenceConstPtr first_keyframe_;  // for the frames before it
+  TrackedFrameConstPtr candidate_;    // becomes a keyframe with the next frame
+  TrackingHint last_;                 // the newest tracked frame, relative to last_keyframe_
   KeyframeId last_keyframe_ = 0;
   int frames_without_reference_ = 0;
 };
@@ -211,6 +200,8 @@ class Mapper::Impl {
 Mapper::Mapper(const MapperConfig& config) : impl_(std::make_unique<Impl>(config)) {}
 Mapper::~Mapper() = default;
 MapperOutput Mapper::process(const TrackedFrameConstPtr& frame) { return impl_->process(frame); }
+bool Mapper::doDeferredWork() { return impl_->doDeferredWork(); }
+void Mapper::finishDeferredWork() { impl_->finishDeferredWork(); }
 void Mapper::reset() { impl_->reset(); }
 ReferenceConstPtr Mapper::currentReference() const { return impl_->currentReference(); }
 std::vector<TrajectoryEntry> Mapper::trajectory() const { return impl_->store().entries(); }

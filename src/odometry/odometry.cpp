@@ -13,33 +13,39 @@ Odometry::Odometry(const OdometryConfig& config, int reference_delay_frames)
   }
 }
 
-void Odometry::adoptDueReferences(OdometryResult& result) {
-  while (!pending_.empty() && pending_.front().due_frame <= frames_) {
-    const ReferenceConstPtr reference = pending_.front().reference;
+void Odometry::takeDueReferences(std::uint64_t frame) {
+  while (!pending_.empty() && pending_.front().due_frame <= frame) {
+    tracking_.take(pending_.front().reference);
     pending_.pop_front();
-    for (const TrackedFrameConstPtr& late : tracking_.adopt(reference)) {
-      result.late.push_back(late);
-      map(late, result);
-    }
   }
 }
 
-void Odometry::map(const TrackedFrameConstPtr& tracked, OdometryResult& result) {
+/// References that are due among the frames that waited are taken on the way.
+void Odometry::trackWaiting(OdometryResult& result) {
+  while (const TrackedFrameConstPtr late = tracking_.trackWaiting()) {
+    result.late.push_back(late);
+    map(late, frames_ - 1 - tracking_.waitingFrames(), result);  // those that wait are the newest
+    takeDueReferences(frames_);
+  }
+}
+
+void Odometry::map(const TrackedFrameConstPtr& tracked, std::uint64_t frame, OdometryResult& result) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begin = Clock::now();
   result.mapping.push_back(mapper_.process(tracked));
+  mapper_.doDeferredWork();
   result.mapping_ms += std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
   const ReferenceConstPtr& reference = result.mapping.back().reference;
   // Without delay the very next frame has it.
-  const auto delay = static_cast<std::uint64_t>(reference_delay_frames_) + 1;
-  if (reference) pending_.push_back({frames_ + delay, reference});
+  if (reference) pending_.push_back({frame + static_cast<std::uint64_t>(reference_delay_frames_) + 1, reference});
 }
 
 OdometryResult Odometry::process(const FrameConstPtr& frame) {
   OdometryResult result;
-  adoptDueReferences(result);
+  takeDueReferences(frames_);
+  trackWaiting(result);
   result.tracked = tracking_.process(frame);
-  map(result.tracked, result);
+  map(result.tracked, frames_, result);
   ++frames_;
   return result;
 }

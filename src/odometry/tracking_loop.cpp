@@ -1,6 +1,5 @@
 #include "mba_vo/odometry/tracking_loop.h"
 
-#include <algorithm>
 #include <deque>
 #include <optional>
 #include <utility>
@@ -10,13 +9,12 @@
 namespace mba_vo {
 namespace {
 
-constexpr std::size_t kMaxWaiting = 40;  // frames kept for the first reference of a map
+constexpr double kMapperTime = 1.0;      // [s] frames wait for so much longer than the initialiser keeps them
+constexpr double kLongestHold = 0.3;     // [s] for a keyframe that was asked for
+constexpr int kFramesUntilKeyframe = 2;  // the mapper looks at one more frame before it makes a keyframe
 
-/// For frames that had to wait, while newer ones are waiting behind them: half the patches.
-TrackerConfig hasty(TrackerConfig config) {
-  config.max_points = std::max(config.max_points / 2, config.min_patches);
-  config.max_iterations = std::max(config.max_iterations / 2, 1);
-  return config;
+double secondsBetween(const Frame& from, const Frame& to) {
+  return 1e-9 * static_cast<double>(to.mid_exposure_ns - from.mid_exposure_ns);
 }
 
 TrackedFrameConstPtr untracked(const FrameConstPtr& frame, TrackingStatus status, const std::string& reason) {
@@ -34,18 +32,17 @@ class TrackingLoop::Impl {
   explicit Impl(const OdometryConfig& config)
       : tracker_config_(config.tracker),
         tracker_(config.tracker),
-        catch_up_tracker_(hasty(config.tracker)),
         keyframe_policy_(config.keyframe),
-        restart_after_lost_(config.mapper.restart_after_lost) {}
+        restart_after_lost_(config.mapper.restart_after_lost),
+        longest_wait_(config.mapper.initializer.buffer_seconds + kMapperTime) {}
 
   TrackedFrameConstPtr process(const FrameConstPtr& frame) {
     if (reference_ && lostFor(*frame) >= restart_after_lost_) reference_.reset();  // as the mapper does
-    if (!reference_) {
-      waiting_.push_back(frame);
-      if (waiting_.size() > kMaxWaiting) waiting_.pop_front();
-      return untracked(frame, TrackingStatus::kInitializing, "no map yet");
-    }
-    return track(frame, tracker_);
+    if (reference_ && waiting_.empty()) return track(frame);
+    waiting_.push_back(frame);
+    while (secondsBetween(*waiting_.front(), *frame) > longest_wait_) waiting_.pop_front();
+    return untracked(frame, TrackingStatus::kInitializing,
+                     reference_ ? "earlier frames are still being tracked" : "no map yet");
   }
 
   bool take(const ReferenceConstPtr& reference) {
@@ -62,22 +59,29 @@ class TrackingLoop::Impl {
     }
     reference_ = reference;
     lost_since_ns_.reset();
+    frames_since_request_ = 0;
+    hold_since_ns_.reset();
     return true;
   }
 
   TrackedFrameConstPtr trackWaiting() {
-    while (reference_ && !waiting_.empty()) {
-      const FrameConstPtr frame = waiting_.front();
+    while (reference_ && !waiting_.empty() && waiting_.front()->mid_exposure_ns <= motion_.lastNs()) {
       waiting_.pop_front();
-      if (frame->mid_exposure_ns > motion_.lastNs()) return track(frame, catch_up_tracker_);
     }
-    return nullptr;
+    if (!reference_ || waiting_.empty() || holds()) return nullptr;
+    const FrameConstPtr frame = waiting_.front();
+    waiting_.pop_front();
+    return track(frame);
   }
+
+  std::size_t waitingFrames() const { return waiting_.size(); }
 
   void reset() {
     reference_.reset();
     waiting_.clear();
     lost_since_ns_.reset();
+    frames_since_request_ = 0;
+    hold_since_ns_.reset();
     T_odom_camera_ = SE3();
     T_odom_reference_ = SE3();
   }
@@ -87,11 +91,20 @@ class TrackingLoop::Impl {
   ReferenceConstPtr reference() const { return reference_; }
 
  private:
-  TrackedFrameConstPtr track(const FrameConstPtr& frame, const Tracker& tracker) {
+  /// True while waiting frames have to go on waiting for the keyframe that the last ones asked for. Measured in the
+  /// time of the frames, so that it does not depend on the machine.
+  bool holds() {
+    if (frames_since_request_ < kFramesUntilKeyframe) return false;
+    const std::int64_t newest_ns = waiting_.back()->mid_exposure_ns;
+    if (!hold_since_ns_) hold_since_ns_ = newest_ns;
+    return 1e-9 * static_cast<double>(newest_ns - *hold_since_ns_) < kLongestHold;
+  }
+
+  TrackedFrameConstPtr track(const FrameConstPtr& frame) {
     TrackingGuess guess(motion_.priorAt(frame->mid_exposure_ns),
                         frame->exposure.value_or(tracker_config_.unknown_exposure));
     guess.brightness = brightness_;
-    auto tracked = std::make_shared<TrackedFrame>(tracker.track(*reference_, frame, guess));
+    auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
     if (!tracked->tracked()) {
       if (!lost_since_ns_) lost_since_ns_ = frame->mid_exposure_ns;
     } else {
@@ -100,6 +113,7 @@ class TrackingLoop::Impl {
       brightness_ = tracked->brightness;
       T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
       tracked->keyframe_requested = keyframe_policy_.takes(*reference_, tracked->measures, tracked->brightness);
+      if (tracked->keyframe_requested || frames_since_request_ > 0) ++frames_since_request_;
     }
     return tracked;
   }
@@ -117,13 +131,15 @@ class TrackingLoop::Impl {
 
   TrackerConfig tracker_config_;
   Tracker tracker_;
-  Tracker catch_up_tracker_;
   KeyframePolicy keyframe_policy_;
   double restart_after_lost_;  // [s]
+  double longest_wait_;        // [s]
   ReferenceConstPtr reference_;
   std::deque<FrameConstPtr> waiting_;
   MotionState motion_;  // relative to reference_
   std::optional<std::int64_t> lost_since_ns_;
+  int frames_since_request_ = 0;  // that a keyframe was asked for, counting the asking one
+  std::optional<std::int64_t> hold_since_ns_;
   AffineBrightness brightness_;
   SE3 T_odom_camera_;
   SE3 T_odom_reference_;
@@ -134,12 +150,7 @@ TrackingLoop::~TrackingLoop() = default;
 TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame) { return impl_->process(frame); }
 bool TrackingLoop::take(const ReferenceConstPtr& reference) { return impl_->take(reference); }
 TrackedFrameConstPtr TrackingLoop::trackWaiting() { return impl_->trackWaiting(); }
-std::vector<TrackedFrameConstPtr> TrackingLoop::adopt(const ReferenceConstPtr& reference) {
-  std::vector<TrackedFrameConstPtr> late;
-  if (!take(reference)) return late;
-  while (TrackedFrameConstPtr tracked = trackWaiting()) late.push_back(std::move(tracked));
-  return late;
-}
+std::size_t TrackingLoop::waitingFrames() const { return impl_->waitingFrames(); }
 void TrackingLoop::reset() { impl_->reset(); }
 const SE3& TrackingLoop::T_odom_camera() const { return impl_->T_odom_camera(); }
 SE3 TrackingLoop::T_map_odom() const { return impl_->T_map_odom(); }

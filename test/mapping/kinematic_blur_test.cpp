@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mba_vo/mapping/replay.h"
+#include "mba_vo/mapping/backward_tracking.h"
 #include "support/random.h"
 
 namespace mba_vo {

@@ -58,6 +58,7 @@ OdometryRun runOdometry(const std::vector<FrameConstPtr>& frames, int reference_
     if (begun && !result.tracked->tracked()) ++run.lost;
     for (const MapperOutput& output : result.mapping) run.keyframes += output.keyframe ? 1 : 0;
   }
+  odometry.finish();
   run.trajectory = odometry.trajectory();
   return run;
 }

@@ -40,6 +40,14 @@ std::shared_ptr<Reference> makeReference(MapId map, KeyframeId keyframe, int ind
   return reference;
 }
 
+/// Takes the reference and tracks all that waited for it.
+std::vector<TrackedFrameConstPtr> adopt(TrackingLoop& loop, const ReferenceConstPtr& reference) {
+  std::vector<TrackedFrameConstPtr> late;
+  if (!loop.take(reference)) return late;
+  while (TrackedFrameConstPtr tracked = loop.trackWaiting()) late.push_back(std::move(tracked));
+  return late;
+}
+
 SE3 someCorrection() {
   Vector6 correction;
   correction << 0.3, -0.2, 0.1, 0.05, 0.2, -0.1;
@@ -71,7 +79,7 @@ TEST(TrackingLoop, FramesBeforeThereIsAMapAreInitializing) {
 TEST(TrackingLoop, AReferenceWithoutAHintIsOfNoUseToBeginWith) {
   TrackingLoop loop{OdometryConfig()};
   loop.process(frame(0));
-  EXPECT_TRUE(loop.adopt(makeReference(1, 0, 0, SE3())).empty());
+  EXPECT_TRUE(adopt(loop, makeReference(1, 0, 0, SE3())).empty());
   EXPECT_EQ(loop.reference(), nullptr);
   EXPECT_EQ(loop.process(frame(1))->status, TrackingStatus::kInitializing);
 }
@@ -79,7 +87,7 @@ TEST(TrackingLoop, AReferenceWithoutAHintIsOfNoUseToBeginWith) {
 TEST(TrackingLoop, FramesThatWaitedAreTrackedFromTheHintOn) {
   TrackingLoop loop{OdometryConfig()};
   for (int i = 0; i <= 5; ++i) loop.process(frame(i));
-  const auto late = loop.adopt(makeReference(1, 0, 0, someCorrection(), 2));
+  const auto late = adopt(loop, makeReference(1, 0, 0, someCorrection(), 2));
   ASSERT_EQ(late.size(), 3U);  // frames 3, 4 and 5
   for (int i = 3; i <= 5; ++i) {
     const TrackedFrame& tracked = *late.at(static_cast<std::size_t>(i - 3));
@@ -89,7 +97,7 @@ TEST(TrackingLoop, FramesThatWaitedAreTrackedFromTheHintOn) {
     EXPECT_LT(distance(tracked.trajectory.T_reference_mid, truth(0, i)), kClose);
   }
   // Once is enough.
-  EXPECT_TRUE(loop.adopt(makeReference(1, 0, 0, someCorrection())).empty());
+  EXPECT_TRUE(adopt(loop, makeReference(1, 0, 0, someCorrection())).empty());
   const TrackedFrameConstPtr next = loop.process(frame(6));
   EXPECT_EQ(next->status, TrackingStatus::kTracking);
   EXPECT_LT(distance(next->trajectory.T_reference_mid, truth(0, 6)), kClose);
@@ -103,7 +111,7 @@ void expectConsistent(const TrackingLoop& loop, const TrackedFrame& tracked) {
 
 TEST(TrackingLoop, OdometryDoesNotJumpWhenTheMapIsCorrected) {
   TrackingLoop loop{OdometryConfig()};
-  loop.adopt(makeReference(1, 0, 0, SE3(), 0));
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
   loop.process(frame(1));
   loop.process(frame(2));
   expectConsistent(loop, *loop.process(frame(3)));
@@ -114,7 +122,7 @@ TEST(TrackingLoop, OdometryDoesNotJumpWhenTheMapIsCorrected) {
   const SE3 correction = someCorrection();
   auto next = makeReference(1, 1, 2, correction * truth(0, 2));
   next->T_map_keyframe[0] = correction;
-  loop.adopt(next);
+  adopt(loop, next);
   EXPECT_EQ(loop.reference(), next);
   EXPECT_LT(distance(loop.T_odom_camera(), last), 1e-12);
   EXPECT_LT(distance(loop.T_map_odom(), correction * map_before), 1e-9);
@@ -131,10 +139,10 @@ TEST(TrackingLoop, OdometryDoesNotJumpWhenTheMapIsCorrected) {
 
 TEST(TrackingLoop, GoesOnWhenItsKeyframeHasLeftTheWindow) {
   TrackingLoop loop{OdometryConfig()};
-  loop.adopt(makeReference(1, 0, 0, someCorrection(), 0));
+  adopt(loop, makeReference(1, 0, 0, someCorrection(), 0));
   for (int i = 1; i <= 3; ++i) loop.process(frame(i));
   const SE3 last = loop.T_odom_camera();
-  loop.adopt(makeReference(1, 5, 3, someCorrection() * truth(0, 3)));  // does not know keyframe 0
+  adopt(loop, makeReference(1, 5, 3, someCorrection() * truth(0, 3)));  // does not know keyframe 0
   EXPECT_LT(distance(loop.T_odom_camera(), last), 1e-12);
   const TrackedFrameConstPtr tracked = loop.process(frame(4));
   EXPECT_EQ(tracked->status, TrackingStatus::kTracking) << tracked->reason;
@@ -145,9 +153,9 @@ TEST(TrackingLoop, GoesOnWhenItsKeyframeHasLeftTheWindow) {
 TEST(TrackingLoop, AReferenceOfAnotherMapWithoutAHintChangesNothing) {
   TrackingLoop loop{OdometryConfig()};
   const ReferenceConstPtr first = makeReference(1, 0, 0, SE3(), 0);
-  loop.adopt(first);
+  adopt(loop, first);
   loop.process(frame(1));
-  EXPECT_TRUE(loop.adopt(makeReference(2, 0, 1, someCorrection())).empty());
+  EXPECT_TRUE(adopt(loop, makeReference(2, 0, 1, someCorrection())).empty());
   EXPECT_EQ(loop.reference(), first);
   EXPECT_EQ(loop.process(frame(2))->reference.map_id, 1U);
 }
@@ -155,7 +163,7 @@ TEST(TrackingLoop, AReferenceOfAnotherMapWithoutAHintChangesNothing) {
 TEST(TrackingLoop, BeginsANewMapAfterBeingLostAndOdometryGoesOnFromThere) {
   const OdometryConfig config;
   TrackingLoop loop(config);
-  loop.adopt(makeReference(1, 0, 0, SE3(), 0));
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
   for (int i = 1; i <= 3; ++i) loop.process(frame(i));
   const SE3 last = loop.T_odom_camera();
   for (double t = 0.0; t < config.mapper.restart_after_lost - 0.01; t += 0.2) {
@@ -166,7 +174,7 @@ TEST(TrackingLoop, BeginsANewMapAfterBeingLostAndOdometryGoesOnFromThere) {
   EXPECT_EQ(loop.process(blank(config.mapper.restart_after_lost))->status, TrackingStatus::kInitializing);
   EXPECT_EQ(loop.reference(), nullptr);
   EXPECT_LT(distance(loop.T_odom_camera(), last), 1e-12);
-  loop.adopt(makeReference(2, 0, 6, someCorrection(), 6));
+  adopt(loop, makeReference(2, 0, 6, someCorrection(), 6));
   EXPECT_LT(distance(loop.T_odom_camera(), last), 1e-12);
   const TrackedFrameConstPtr tracked = loop.process(frame(7));
   EXPECT_EQ(tracked->status, TrackingStatus::kTracking) << tracked->reason;
@@ -177,7 +185,7 @@ TEST(TrackingLoop, BeginsANewMapAfterBeingLostAndOdometryGoesOnFromThere) {
 
 TEST(TrackingLoop, FindsItselfAgainIfItIsNotLostForLong) {
   TrackingLoop loop{OdometryConfig()};
-  loop.adopt(makeReference(1, 0, 3, SE3(), 3));
+  adopt(loop, makeReference(1, 0, 3, SE3(), 3));
   loop.process(frame(4));
   EXPECT_EQ(loop.process(test::makeFrame(cv::Mat1f(240, 376, 90.0F), view(5).mid_exposure_ns, 0.02))->status,
             TrackingStatus::kLost);
@@ -189,14 +197,54 @@ TEST(TrackingLoop, FindsItselfAgainIfItIsNotLostForLong) {
 TEST(TrackingLoop, ResetForgetsReferenceAndWaitingFrames) {
   TrackingLoop loop{OdometryConfig()};
   loop.process(frame(0));
-  loop.adopt(makeReference(1, 0, 0, SE3(), 0));
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
   loop.process(frame(1));
   loop.reset();
   EXPECT_EQ(loop.reference(), nullptr);
   EXPECT_EQ(distance(loop.T_odom_camera(), SE3()), 0.0);
   EXPECT_EQ(loop.process(frame(2))->status, TrackingStatus::kInitializing);
   loop.reset();
-  EXPECT_TRUE(loop.adopt(makeReference(2, 0, 0, SE3(), 0)).empty());
+  EXPECT_TRUE(adopt(loop, makeReference(2, 0, 0, SE3(), 0)).empty());
+}
+
+TEST(TrackingLoop, WaitingFramesHoldForTheKeyframeTheyAskedFor) {
+  OdometryConfig config;
+  config.keyframe.flow_px = 5.0;
+  config.keyframe.parallax_px = 5.0;
+  config.keyframe.patience = 0.0;
+  TrackingLoop loop(config);
+  for (int i = 0; i <= 10; ++i) loop.process(frame(i));
+  loop.take(makeReference(1, 0, 0, SE3(), 0));
+  TrackedFrameConstPtr asking;
+  while (!asking || !asking->keyframe_requested) {
+    asking = loop.trackWaiting();
+    ASSERT_NE(asking, nullptr) << "no frame asked";
+  }
+  // One more, by which the mapper can make the keyframe, and no other before it is there.
+  const TrackedFrameConstPtr one_more = loop.trackWaiting();
+  ASSERT_NE(one_more, nullptr);
+  const auto next = static_cast<int>(one_more->frame->sequence - view(0).id) + 1;
+  ASSERT_LT(next, 11);
+  EXPECT_EQ(loop.trackWaiting(), nullptr);
+  EXPECT_EQ(loop.waitingFrames(), static_cast<std::size_t>(11 - next));
+  EXPECT_EQ(loop.process(frame(11))->status, TrackingStatus::kInitializing);  // it waits behind the others
+  EXPECT_EQ(loop.trackWaiting(), nullptr);
+
+  auto reference = makeReference(1, 1, next - 2, truth(0, next - 2));
+  reference->T_map_keyframe[0] = SE3();
+  EXPECT_FALSE(adopt(loop, reference).empty());
+  // If it does not come, frames of 0.3 s later are no longer held up.
+  int i = 12;
+  while (loop.waitingFrames() > 0 && i < kCount) {
+    loop.process(frame(i++));
+    while (loop.trackWaiting()) {
+    }
+  }
+  const TrackedFrameConstPtr at_last = loop.process(blank(0.35));
+  EXPECT_EQ(at_last->status, loop.waitingFrames() > 0 ? TrackingStatus::kInitializing : TrackingStatus::kLost);
+  while (loop.trackWaiting()) {
+  }
+  EXPECT_EQ(loop.waitingFrames(), 0U);
 }
 
 TEST(TrackingLoop, AsksForAKeyframeWhenTheViewHasChanged) {
@@ -205,14 +253,14 @@ TEST(TrackingLoop, AsksForAKeyframeWhenTheViewHasChanged) {
   config.keyframe.parallax_px = 5.0;
   config.keyframe.patience = 0.0;
   TrackingLoop eager(config);
-  eager.adopt(makeReference(1, 0, 0, SE3(), 0));
+  adopt(eager, makeReference(1, 0, 0, SE3(), 0));
   bool asked = false;
   for (int i = 1; i <= 6; ++i) asked |= eager.process(frame(i))->keyframe_requested;
   EXPECT_TRUE(asked);
   config.keyframe.flow_px = config.keyframe.parallax_px = 1000.0;
   config.keyframe.min_visible_fraction = 0.0;
   TrackingLoop patient(config);
-  patient.adopt(makeReference(1, 0, 0, SE3(), 0));
+  adopt(patient, makeReference(1, 0, 0, SE3(), 0));
   for (int i = 1; i <= 6; ++i) EXPECT_FALSE(patient.process(frame(i))->keyframe_requested);
 }
 

@@ -31,6 +31,12 @@ class Mapper {
 
   MapperOutput process(const TrackedFrameConstPtr& frame);
 
+  /// Does a piece of what can wait for a free moment: tracks one frame that came before the map's first keyframe. False
+  /// if there is nothing to do, or not yet.
+  bool doDeferredWork();
+  /// Does all of it, ready or not: to be called before the trajectory is written.
+  void finishDeferredWork();
+
   /// The current snapshot, null before initialisation: for a tracker that was restarted.
   ReferenceConstPtr currentReference() const;
 

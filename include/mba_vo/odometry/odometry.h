@@ -18,7 +18,8 @@ struct OdometryResult {
 };
 
 /// Tracker and mapper called in turn, deterministically: the offline pipeline. The mapper's references are adopted
-/// `reference_delay_frames` after the frame that caused them.
+/// `reference_delay_frames` after the frame that caused them; that holds also among frames that had to wait for the
+/// first reference and are tracked late.
 class Odometry {
  public:
   /// Throws std::invalid_argument for a negative delay.
@@ -27,12 +28,16 @@ class Odometry {
   /// Every frame gives exactly one result; its `tracked` is never null.
   OdometryResult process(const FrameConstPtr& frame);
 
+  /// To be called after the last frame: does what the mapper has put off.
+  void finish() { mapper_.finishDeferredWork(); }
+
   std::vector<TrajectoryEntry> trajectory() const { return mapper_.trajectory(); }
   std::vector<MapPoint> points() const { return mapper_.points(); }
 
  private:
-  void adoptDueReferences(OdometryResult& result);
-  void map(const TrackedFrameConstPtr& tracked, OdometryResult& result);
+  void takeDueReferences(std::uint64_t frame);
+  void trackWaiting(OdometryResult& result);
+  void map(const TrackedFrameConstPtr& tracked, std::uint64_t frame, OdometryResult& result);
 
   struct PendingReference {
     std::uint64_t due_frame;  // adopted before this frame, counted from 0

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "mba_vo/odometry/config.h"
 #include "mba_vo/tracking/tracker.h"
@@ -20,13 +19,13 @@ class TrackingLoop {
 
   /// Takes a newer snapshot; the prior is re-expressed through the poses that came with it. False if it is of no use.
   /// The first snapshot of a map comes with a hint about a frame of the past: frames that came after it and were
-  /// reported as INITIALIZING wait to be tracked now, so that nothing has to be predicted over a long gap.
+  /// reported as INITIALIZING have waited to be tracked now, so that nothing has to be predicted over a long gap.
   bool take(const ReferenceConstPtr& reference);
-  /// Tracks the oldest waiting frame: its second, late result, for the mapper. Null if none waits. To be called until
-  /// then before the next frame is processed.
+  /// Tracks the oldest waiting frame: its second, late result, for the mapper. To be called until null before the next
+  /// frame is processed. Null if none waits, or if they have to go on waiting for a little while: waiting frames pass
+  /// faster than the mapper makes keyframes, so one that was asked for is waited for before the view is left.
   TrackedFrameConstPtr trackWaiting();
-  /// Both: takes the snapshot and tracks all that waited.
-  std::vector<TrackedFrameConstPtr> adopt(const ReferenceConstPtr& reference);
+  std::size_t waitingFrames() const;
 
   /// Forgets the reference and the prior.
   void reset();

@@ -66,6 +66,11 @@ class BoundedQueue {
     changed_.notify_all();
   }
 
+  bool empty() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return items_.empty();
+  }
+
   std::size_t bytes() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return bytes_;

@@ -66,10 +66,19 @@ void MapperWorker::run() {
   while (const std::optional<Job> job = queue_.pop()) {
     if (job->frame) {
       process(*job->frame);
+      while (queue_.empty() && doDeferredWork()) {
+      }
     } else {
+      mapper_.finishDeferredWork();
       job->trajectory->set_value(mapper_.trajectory());
     }
   }
+}
+
+bool MapperWorker::doDeferredWork() {
+  bool more = false;
+  one_core_.execute([&] { more = mapper_.doDeferredWork(); });
+  return more;
 }
 
 void MapperWorker::process(const TrackedFrameMessage& message) {

@@ -36,6 +36,7 @@ class MapperWorker {
 
   void run();
   void process(const TrackedFrameMessage& message);
+  bool doDeferredWork();
   void followSession(const TrackedFrameSummary& summary);
   void publishReference(const ReferenceConstPtr& reference, const TrackedFrameSummary& cause);
 

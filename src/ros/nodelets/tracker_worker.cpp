@@ -17,23 +17,27 @@ namespace {
 constexpr double kBytesPerMegabyte = 1e6;
 constexpr double kWarnPeriod = 5.0;  // [s]
 
-std::size_t bytesOf(const std::optional<InputImage>& job) { return job ? job->message->data.size() : 0; }
+}  // namespace
+
+std::size_t TrackerWorker::bytesOf(const Job& job) {
+  const auto* image = std::get_if<InputImage>(&job);
+  return image ? image->message->data.size() : 0;
+}
 
 /// The image whose neighbours are closest in time: images are thinned out evenly, so that the camera moves as little as
 /// possible between those that remain. Neither the oldest nor the newest, if there are others.
-std::size_t mostDispensable(const std::deque<std::optional<InputImage>>& jobs) {
+std::size_t TrackerWorker::mostDispensable(const std::deque<Job>& jobs) {
   std::vector<std::size_t> images;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
-    if (jobs[i]) {
+    if (std::holds_alternative<InputImage>(jobs[i])) {
       images.push_back(i);
     }
   }
+  const auto seconds = [&](std::size_t job) { return std::get<InputImage>(jobs[job]).message->header.stamp.toSec(); };
   std::size_t best = images.front();
   double closest = std::numeric_limits<double>::max();
   for (std::size_t k = 1; k + 1 < images.size(); ++k) {
-    const ros::Time before = jobs[images[k - 1]]->message->header.stamp;
-    const ros::Time after = jobs[images[k + 1]]->message->header.stamp;
-    const double distance = after.toSec() - before.toSec();
+    const double distance = seconds(images[k + 1]) - seconds(images[k - 1]);
     if (distance < closest) {
       closest = distance;
       best = images[k];
@@ -41,8 +45,6 @@ std::size_t mostDispensable(const std::deque<std::optional<InputImage>>& jobs) {
   }
   return best;
 }
-
-}  // namespace
 
 TrackerWorker::TrackerWorker(ros::NodeHandle& nh, const NodeConfig& config, CalibrationStore& calibration,
                              StatusReporter& status)
@@ -68,23 +70,28 @@ TrackerWorker::~TrackerWorker() {
 void TrackerWorker::addImage(const InputImage& image) {
   for (const Job& shed : queue_.push(image)) {
     ROS_WARN_THROTTLE(kWarnPeriod, "images are shed: the tracker does not keep up with the camera");
-    status_.imageShed(toNanoseconds(shed->message->header.stamp));
+    status_.imageShed(toNanoseconds(std::get<InputImage>(shed).message->header.stamp));
   }
 }
 
 void TrackerWorker::addReference(const ReferenceMessageConstPtr& reference) {
-  const std::lock_guard<std::mutex> lock(references_mutex_);
-  references_.push_back(reference);
+  {
+    const std::lock_guard<std::mutex> lock(references_mutex_);
+    references_.push_back(reference);
+  }
+  queue_.push(NewReference());
 }
 
-void TrackerWorker::reset() { queue_.push(std::nullopt); }
+void TrackerWorker::reset() { queue_.push(Reset()); }
 
 void TrackerWorker::run() {
   while (const std::optional<Job> job = queue_.pop()) {
-    if (*job) {
-      process(**job);
-    } else {
+    if (const auto* image = std::get_if<InputImage>(&*job)) {
+      process(*image);
+    } else if (std::holds_alternative<Reset>(*job)) {
       beginSession(false);
+    } else {
+      catchUp();
     }
   }
 }
@@ -111,12 +118,7 @@ void TrackerWorker::process(const InputImage& image) {
     camera_frame_ = image.message->header.frame_id;
     T_base_camera_ = lookupExtrinsic(config_.frames.base_frame, camera_frame_, config_.extrinsic_wait);
   }
-  adoptReferences();
-  // Frames that waited for the first reference of a map go first; newer references are adopted in between.
-  while (const TrackedFrameConstPtr late = loop_.trackWaiting()) {
-    forward(late, true);
-    adoptReferences();
-  }
+  catchUp();
   const TrackedFrameConstPtr tracked = loop_.process(frame);
   forward(tracked, loop_.reference() != nullptr);
   if (tracked->tracked()) {
@@ -188,6 +190,14 @@ void TrackerWorker::adoptReferences() {
     } else {
       status_.referenceStale();
     }
+  }
+}
+
+void TrackerWorker::catchUp() {
+  adoptReferences();
+  while (const TrackedFrameConstPtr late = loop_.trackWaiting()) {
+    forward(late, true);
+    adoptReferences();
   }
 }
 

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
+#include <variant>
 #include <vector>
 
 #include "calibration_store.h"
@@ -32,7 +34,12 @@ class TrackerWorker {
   std::size_t queueBytes() const { return queue_.bytes(); }
 
  private:
-  using Job = std::optional<InputImage>;  // nullopt: reset
+  struct Reset {};
+  struct NewReference {};  // it is among references_
+  using Job = std::variant<InputImage, Reset, NewReference>;
+
+  static std::size_t bytesOf(const Job& job);
+  static std::size_t mostDispensable(const std::deque<Job>& jobs);
 
   void run();
   void beginSession(bool keep_map);
@@ -41,6 +48,8 @@ class TrackerWorker {
   FrameConstPtr makeFrame(const InputImage& image);
   void updateFrameBuilder();
   void adoptReferences();
+  /// Frames that waited for the first reference of a map are tracked; newer references are adopted in between.
+  void catchUp();
   void forward(const TrackedFrameConstPtr& tracked, bool has_reference);
   void publishMotion(const TrackedFrameConstPtr& tracked);
   std::string exposureSource(const InputImage& image, const Frame& frame) const;

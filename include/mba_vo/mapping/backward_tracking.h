@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "mba_vo/mapping/initializer.h"
+#include "mba_vo/mapping/mapper_config.h"
+#include "mba_vo/tracking/motion_state.h"
+#include "mba_vo/tracking/tracker.h"
+
+namespace mba_vo {
+
+/// Velocity of the initial map's reference frame [m/s, rad/s] by the poses next to it in time.
+Vector6 referenceVelocity(const InitialMap& initial);
+
+/// Tracks the frames that came before a map's first keyframe, from the newest to the oldest.
+class BackwardTracking {
+ public:
+  /// `start`: motion at the initial map's reference frame. Takes those of `frames` (by time) that came before it.
+  BackwardTracking(const MapperConfig& config, std::unique_ptr<InitialMap> initial, const MotionState& start,
+                   const std::vector<FrameConstPtr>& frames);
+
+  bool done() const { return frames_.empty(); }
+  /// Tracks the next frame against `reference`, a snapshot about the first keyframe. The initial map's own pose of the
+  /// frame, if there is one, is the guess.
+  TrackedFrame next(const Reference& reference);
+
+ private:
+  TrackingGuess guessFor(const Frame& frame) const;
+
+  Tracker tracker_;
+  double unknown_exposure_;  // [s]
+  std::unique_ptr<InitialMap> initial_;
+  std::vector<FrameConstPtr> frames_;  // still to be tracked, by time
+  MotionState motion_;
+  AffineBrightness brightness_;
+};
+
+}  // namespace mba_vo

@@ -1,0 +1,57 @@
+#include "mba_vo/mapping/backward_tracking.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "mba_vo/mapping/kinematic_blur.h"
+
+namespace mba_vo {
+
+Vector6 referenceVelocity(const InitialMap& initial) {
+  const std::int64_t origin_ns = initial.reference->mid_exposure_ns;
+  const InitialMap::Pose* before = nullptr;
+  const InitialMap::Pose* after = nullptr;
+  for (const InitialMap::Pose& pose : initial.poses) {  // by time
+    if (pose.frame->mid_exposure_ns < origin_ns) before = &pose;
+    if (pose.frame->mid_exposure_ns > origin_ns && !after) after = &pose;
+  }
+  KinematicBlur motion;
+  if (before) motion.add(before->frame->mid_exposure_ns, before->T_reference_frame);
+  motion.add(origin_ns, SE3());
+  if (after) motion.add(after->frame->mid_exposure_ns, after->T_reference_frame);
+  return motion.xiOfMiddle(1.0);
+}
+
+BackwardTracking::BackwardTracking(const MapperConfig& config, std::unique_ptr<InitialMap> initial,
+                                   const MotionState& start, const std::vector<FrameConstPtr>& frames)
+    : tracker_(config.tracker),
+      unknown_exposure_(config.tracker.unknown_exposure),
+      initial_(std::move(initial)),
+      motion_(start) {
+  const std::int64_t origin_ns = initial_->reference->mid_exposure_ns;
+  const auto before = [&](const FrameConstPtr& frame) { return frame->mid_exposure_ns < origin_ns; };
+  std::copy_if(frames.begin(), frames.end(), std::back_inserter(frames_), before);
+}
+
+TrackingGuess BackwardTracking::guessFor(const Frame& frame) const {
+  TrackingGuess guess(motion_.priorAt(frame.mid_exposure_ns), frame.exposure.value_or(unknown_exposure_));
+  guess.brightness = brightness_;
+  const auto same = [&](const InitialMap::Pose& pose) { return pose.frame->sequence == frame.sequence; };
+  const auto known = std::find_if(initial_->poses.begin(), initial_->poses.end(), same);
+  if (known != initial_->poses.end()) guess.trajectory.T_reference_mid = known->T_reference_frame;
+  return guess;
+}
+
+TrackedFrame BackwardTracking::next(const Reference& reference) {
+  const FrameConstPtr frame = std::move(frames_.back());
+  frames_.pop_back();
+  TrackedFrame tracked = tracker_.track(reference, frame, guessFor(*frame));
+  if (tracked.tracked()) {
+    motion_.update(tracked);
+    brightness_ = tracked.brightness;
+  }
+  return tracked;
+}
+
+}  // namespace mba_vo
