@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kMapperTime = 1.0;      // [s] frames wait for so much longer than the initialiser keeps them
 constexpr double kLongestHold = 0.3;     // [s] for a keyframe that was asked for
+constexpr double kHoldingNeed = 4.0;     // of a keyframe, 1 = the next sharp frame would do
 constexpr int kFramesUntilKeyframe = 2;  // the mapper looks at one more frame before it makes a keyframe
 
 double secondsBetween(const Frame& from, const Frame& to) {
@@ -94,7 +95,7 @@ class TrackingLoop::Impl {
   /// True while waiting frames have to go on waiting for the keyframe that the last ones asked for. Measured in the
   /// time of the frames, so that it does not depend on the machine.
   bool holds() {
-    if (frames_since_request_ < kFramesUntilKeyframe) return false;
+    if (frames_since_request_ < kFramesUntilKeyframe || need_ < kHoldingNeed) return false;
     const std::int64_t newest_ns = waiting_.back()->mid_exposure_ns;
     if (!hold_since_ns_) hold_since_ns_ = newest_ns;
     return 1e-9 * static_cast<double>(newest_ns - *hold_since_ns_) < kLongestHold;
@@ -114,6 +115,7 @@ class TrackingLoop::Impl {
       T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
       tracked->keyframe_requested = keyframe_policy_.takes(*reference_, tracked->measures, tracked->brightness);
       if (tracked->keyframe_requested || frames_since_request_ > 0) ++frames_since_request_;
+      need_ = keyframe_policy_.need(*reference_, tracked->measures, tracked->brightness);
     }
     return tracked;
   }
@@ -138,6 +140,7 @@ class TrackingLoop::Impl {
   std::deque<FrameConstPtr> waiting_;
   MotionState motion_;  // relative to reference_
   std::optional<std::int64_t> lost_since_ns_;
+  double need_ = 0.0;             // of a keyframe
   int frames_since_request_ = 0;  // that a keyframe was asked for, counting the asking one
   std::optional<std::int64_t> hold_since_ns_;
   AffineBrightness brightness_;
