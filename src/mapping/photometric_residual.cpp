@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include <Eigen/LU>
+
+#include "mba_vo/blur/multiversion.h"
 #include "mba_vo/blur/reblur.h"
 
 namespace mba_vo {
@@ -30,29 +33,74 @@ void readTarget(const PairGeometry& pair, const Eigen::Vector2i& centre, double 
   }
 }
 
-/// J^T S J for the first `Rows` image-gradient moments; sharp patches have no moments in u.
-template <int Rows>
-void assembleRows(const Eigen::Matrix<double, 7, 7>& sums, const PatchPath& path, ResidualSystem& system) {
-  Eigen::Matrix<double, Rows, 6> J;
-  Eigen::Matrix<double, Rows, 1> J_depth;
-  for (int part = 0; part < Rows / 2; ++part) {
-    const auto i = static_cast<std::size_t>(part);
-    J.template middleRows<2>(2 * part) = path.J_pose[i];
-    J_depth.template segment<2>(2 * part) = path.J_inverse_depth[i];
+constexpr int kPixels = kResidualPixels;
+constexpr int kSize = 8;  // of z, padded
+
+/// Residuals, weights and energies of all pixels.
+MBA_VO_MULTIVERSION
+void weighPixels(const PairGeometry& pair, const PatchResidual& residual, float huber_threshold,
+                 PatchComparison& comparison) {
+  const float* __restrict value = comparison.reblurred.value.data();
+  const float* __restrict intensity = residual.intensity.data();
+  const float* __restrict weight = residual.weight.data();
+  const float gain = pair.gain;
+  const float offset_host = pair.offset_host;
+  const float offset_target = pair.offset_target;
+  float energy[kPixels];
+  for (int k = 0; k < kPixels; ++k) {
+    const float normalized = gain * (value[k] - offset_host);
+    const float r = intensity[k] - normalized - offset_target;
+    const float magnitude = std::abs(r);
+    const float quotient = huber_threshold / magnitude;
+    const float huber = magnitude <= huber_threshold ? 1.0F : quotient;
+    const float w = weight[k] * huber;
+    comparison.normalized[k] = normalized;
+    comparison.r[k] = r;
+    comparison.weight[k] = w;
+    energy[k] = w * r * r * (2.0F - huber);
   }
-  const Eigen::Matrix<double, Rows, Rows> S = sums.topLeftCorner<Rows, Rows>();
-  const Eigen::Matrix<double, Rows, 6> S_J = S * J;
-  const Eigen::Matrix<double, Rows, 1> S_J_depth = S * J_depth;
-  system.H.topLeftCorner<6, 6>().noalias() = J.transpose() * S_J;
-  system.H.topRightCorner<6, 2>().noalias() = J.transpose() * sums.block<Rows, 2>(0, 4);
-  system.H.bottomLeftCorner<2, 6>() = system.H.topRightCorner<6, 2>().transpose();
-  system.H.bottomRightCorner<2, 2>() = sums.block<2, 2>(4, 4);
-  system.b.head<6>().noalias() = J.transpose() * sums.block<Rows, 1>(0, 6);
-  system.b.tail<2>() = sums.block<2, 1>(4, 6);
-  system.H_state_depth.head<6>().noalias() = J.transpose() * S_J_depth;
-  system.H_state_depth.tail<2>().noalias() = sums.block<2, Rows>(4, 0) * J_depth;
-  system.H_depth = J_depth.dot(S_J_depth);
-  system.b_depth = J_depth.dot(sums.block<Rows, 1>(0, 6));
+  comparison.energy =
+      ((energy[0] + energy[4]) + (energy[2] + energy[6])) + ((energy[1] + energy[5]) + (energy[3] + energy[7]));
+}
+
+MBA_VO_MULTIVERSION
+void sumProducts(const float* __restrict z, const float* __restrict weight, float* __restrict out) {
+  float sums[kSize * kSize] = {};
+  for (int k = 0; k < kPixels; ++k) {
+    const float* __restrict row = z + kSize * k;
+#pragma GCC unroll 8
+    for (int i = 0; i < kSize; ++i) {
+      const float factor = weight[k] * row[i];
+      for (int j = 0; j < kSize; ++j) sums[kSize * i + j] += factor * row[j];
+    }
+  }
+  for (int i = 0; i < kSize * kSize; ++i) out[i] = sums[i];
+}
+
+/// Products of the image-gradient moments with the Jacobians of pose and inverse depth, E: one row of eight per moment.
+struct JacobianProducts {
+  alignas(64) double S[kSize][kSize];    // symmetric; all of z
+  alignas(64) double E[4][kSize];        // d path / d (pose, inverse depth), zero padding
+  alignas(64) double ESE[kSize][kSize];  // E^T S E, without the padding's row
+  alignas(64) double SE[kSize][kSize];   // S E
+};
+
+MBA_VO_MULTIVERSION
+void multiplyOut(int rows, JacobianProducts& p) {
+  for (int i = 0; i < kSize - 1; ++i) {
+    double sum[kSize] = {};
+    for (int j = 0; j < rows; ++j) {
+      for (int c = 0; c < kSize; ++c) sum[c] += p.S[i][j] * p.E[j][c];
+    }
+    for (int c = 0; c < kSize; ++c) p.SE[i][c] = sum[c];
+  }
+  for (int q = 0; q < kSize - 1; ++q) {
+    double sum[kSize] = {};
+    for (int i = 0; i < rows; ++i) {
+      for (int c = 0; c < kSize; ++c) sum[c] += p.E[i][q] * p.SE[i][c];
+    }
+    for (int c = 0; c < kSize; ++c) p.ESE[q][c] = sum[c];
+  }
 }
 
 }  // namespace
@@ -63,8 +111,8 @@ PairGeometry makePairGeometry(const KeyframeState& host, const KeyframeState& ta
   pair.host_image = &host.sharp->level(0);
   pair.target_image = reblur_targets ? &target.original->level(0) : &target.sharp->level(0);
   const auto makePaths = [&](const SE3& T_host_target) {
-    return PatchPathMaker(pair.host_image->camera, pair.target_image->camera,
-                          {T_host_target, target.xi, pair.blurred ? 1.0 : 0.0});
+    return FixedMotionPathMaker(pair.host_image->camera, pair.target_image->camera,
+                                {T_host_target, target.xi, pair.blurred ? 1.0 : 0.0});
   };
   const SE3 T_host_target = host.T_map_keyframe().inverse() * target.T_map_keyframe();
   const SE3 T_host_target_first = host.T_linear.inverse() * target.T_linear;
@@ -86,6 +134,19 @@ PairGeometry makePairGeometry(const KeyframeState& host, const KeyframeState& ta
   pair.J_host(6, 6) = -1.0;
   pair.J_host(7, 7) = -std::exp(target.brightness_linear.a - host.brightness_linear.a);
   return pair;
+}
+
+std::vector<PairGeometry> makePairGeometries(const WindowState& state, bool reblur_targets) {
+  const int n = state.size();
+  std::vector<PairGeometry> pairs(static_cast<std::size_t>(n * n));
+  for (int h = 0; h < n; ++h) {
+    for (int t = 0; t < n; ++t) {
+      if (h == t) continue;
+      pairs[static_cast<std::size_t>(h * n + t)] =
+          makePairGeometry(state.keyframe(h), state.keyframe(t), reblur_targets);
+    }
+  }
+  return pairs;
 }
 
 void placePixels(const PairGeometry& pair, const Eigen::Vector2d& host_pixel, double inverse_depth,
@@ -113,41 +174,82 @@ void placePixels(const PairGeometry& pair, const Eigen::Vector2d& host_pixel, do
   residual.has_pixels = std::isfinite(sum);
 }
 
-bool evaluatePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
-                   const ResidualOptions& options, PatchMoments& moments) {
-  ReblurredPatch patch;
-  const int samples = pair.blurred ? sampleCount(path.length(), options.sample_spacing_px, options.max_samples) : 1;
-  reblurPatch(*pair.host_image, path, pattern(), samples, patch);
+float projectionDrift(const PatchPath& path, const Eigen::Vector2d& host_pixel) {
+  const Eigen::Vector2f offset = path.c0 - host_pixel.cast<float>();
+  return (path.A0.inverse() * offset).lpNorm<Eigen::Infinity>();
+}
 
-  Eigen::Matrix<float, 8, kResidualPixels> z, weighted;  // one column per pixel
-  moments.energy = 0.0F;
-  for (std::size_t k = 0; k < kResidualPixels; ++k) {
-    const float normalized = pair.gain * (patch.value[k] - pair.offset_host);
-    const float r = residual.intensity[k] - normalized - pair.offset_target;
-    const float magnitude = std::abs(r);
-    const float huber = magnitude <= options.huber_threshold ? 1.0F : options.huber_threshold / magnitude;
-    const float weight = residual.weight[k] * huber;
-    moments.energy += weight * r * r * (2.0F - huber);
-    const auto column = static_cast<Eigen::Index>(k);
-    z.col(column) << -pair.gain * patch.gx[k], -pair.gain * patch.gy[k], -pair.gain * patch.ugx[k],
-        -pair.gain * patch.ugy[k], -normalized, -1.0F, r, 0.0F;
-    weighted.col(column) = weight * z.col(column);
+bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
+                  const ResidualOptions& options, PatchComparison& comparison) {
+  const int samples = pair.blurred ? sampleCount(path.length(), options.sample_spacing_px, options.max_samples) : 1;
+  reblurPatch(*pair.host_image, path, pattern(), samples, comparison.reblurred);
+  weighPixels(pair, residual, options.huber_threshold, comparison);
+  return std::isfinite(comparison.energy);
+}
+
+void sumMoments(const PairGeometry& pair, const PatchComparison& comparison, PatchMoments& moments) {
+  const ReblurredPatch& patch = comparison.reblurred;
+  alignas(64) float z[kPixels * kSize];
+  for (std::size_t k = 0; k < kPixels; ++k) {
+    float* row = z + kSize * k;
+    row[0] = -pair.gain * patch.gx[k];
+    row[1] = -pair.gain * patch.gy[k];
+    row[2] = -pair.gain * patch.ugx[k];
+    row[3] = -pair.gain * patch.ugy[k];
+    row[4] = -comparison.normalized[k];
+    row[5] = -1.0F;
+    row[6] = comparison.r[k];
+    row[7] = 0.0F;
   }
-  if (!std::isfinite(moments.energy)) return false;
-  moments.sums.noalias() = z.lazyProduct(weighted.transpose());
-  return true;
+  sumProducts(z, comparison.weight.data(), moments.data());
 }
 
 void assembleSystem(const PatchMoments& moments, const PatchPath& path, bool blurred, ResidualSystem& system) {
   // From here on in double: the sums are rounded but common to all blocks, so that directions which cannot be observed
   // stay unobserved.
-  Eigen::Matrix<double, 7, 7> sums = moments.sums.topLeftCorner<7, 7>().cast<double>();
-  sums = (0.5 * (sums + sums.transpose())).eval();
-  if (blurred) {
-    assembleRows<4>(sums, path, system);
-  } else {
-    assembleRows<2>(sums, path, system);
+  JacobianProducts p;
+  for (int i = 0; i < kSize; ++i) {
+    for (int j = 0; j < kSize; ++j) p.S[i][j] = 0.5 * (static_cast<double>(moments(i, j)) + moments(j, i));
   }
+  const int rows = blurred ? 4 : 2;  // sharp patches have no moments in u
+  for (int i = 0; i < rows; ++i) {
+    const auto part = static_cast<std::size_t>(i / 2);
+    for (int c = 0; c < 6; ++c) p.E[i][c] = path.J_pose[part](i % 2, c);
+    p.E[i][6] = path.J_inverse_depth[part](i % 2);
+    p.E[i][7] = 0.0;
+  }
+  multiplyOut(rows, p);
+  for (int c = 0; c < 6; ++c) {
+    for (int q = 0; q < 6; ++q) system.H(q, c) = p.ESE[q][c];
+    system.H(6, c) = system.H(c, 6) = p.SE[4][c];
+    system.H(7, c) = system.H(c, 7) = p.SE[5][c];
+    system.b(c) = p.SE[6][c];
+    system.H_state_depth(c) = p.ESE[6][c];
+  }
+  system.H(6, 6) = p.S[4][4];
+  system.H(6, 7) = system.H(7, 6) = p.S[4][5];
+  system.H(7, 7) = p.S[5][5];
+  system.b(6) = p.S[4][6];
+  system.b(7) = p.S[5][6];
+  system.H_state_depth(6) = p.SE[4][6];
+  system.H_state_depth(7) = p.SE[5][6];
+  system.H_depth = p.ESE[6][6];
+  system.b_depth = p.SE[6][6];
+}
+
+DepthSystem assembleDepth(const PairGeometry& pair, const PatchComparison& comparison, const PatchPath& path) {
+  const ReblurredPatch& patch = comparison.reblurred;
+  const Eigen::Vector2f J0 = -pair.gain * path.J_inverse_depth[0].cast<float>();
+  Eigen::Vector2f J1 = Eigen::Vector2f::Zero();
+  if (pair.blurred) J1 = -pair.gain * path.J_inverse_depth[1].cast<float>();
+  float H = 0.0F;
+  float b = 0.0F;
+  for (std::size_t k = 0; k < kPixels; ++k) {
+    const float J = J0.x() * patch.gx[k] + J0.y() * patch.gy[k] + J1.x() * patch.ugx[k] + J1.y() * patch.ugy[k];
+    H += comparison.weight[k] * J * J;
+    b += comparison.weight[k] * J * comparison.r[k];
+  }
+  return {static_cast<double>(H), static_cast<double>(b)};
 }
 
 }  // namespace mba_vo

@@ -48,7 +48,7 @@ class Window::Impl {
         linearizer_(residual_options_, config.reblur_targets),
         optimizer_(linearizer_, config.huber_threshold, WindowOptimizerOptions()),
         marginalizer_(linearizer_, WindowMarginalizerOptions()),
-        activation_(residual_options_, config.reblur_targets, WindowPointActivationOptions()),
+        activation_(residual_options_, WindowPointActivationOptions()),
         anchor_(kScaleAnchor) {}
 
   void addKeyframe(const WindowKeyframe& keyframe);
@@ -57,6 +57,7 @@ class Window::Impl {
   std::vector<KeyframeId> keyframesToMarginalize() const;
   void marginalizePoints();
   void marginalize(KeyframeId keyframe);
+  const std::vector<PairGeometry>& pairs();
   WindowPoint describe(const PointState& point) const;
 
   WindowConfig config_;
@@ -68,6 +69,7 @@ class Window::Impl {
   ScaleAnchor anchor_;
   bool anchor_chosen_ = false;
   WindowState state_;
+  std::vector<PairGeometry> pairs_;  // of the current state; empty: not made yet
   PointId next_point_ = 0;
 };
 
@@ -91,6 +93,7 @@ void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
   added.outlier_energy = state_.keyframes.empty()
                              ? 2.0 * kResidualPixels * config_.huber_threshold * config_.huber_threshold
                              : state_.keyframes.back().outlier_energy;
+  pairs_.clear();
   const bool first = state_.keyframes.empty();
   state_.keyframes.push_back(added);
   state_.prior.appendKeyframe();
@@ -139,9 +142,15 @@ void Window::Impl::marginalizePoints() {
 
 void Window::Impl::marginalize(KeyframeId keyframe) {
   const int index = state_.indexOf(keyframe);
+  pairs_.clear();
   marginalizePoints();
   marginalizer_.marginalizeHosted(state_, index);
   marginalizer_.marginalizeKeyframe(state_, index);
+}
+
+const std::vector<PairGeometry>& Window::Impl::pairs() {
+  if (pairs_.empty()) pairs_ = makePairGeometries(state_, config_.reblur_targets);
+  return pairs_;
 }
 
 WindowPoint Window::Impl::describe(const PointState& point) const {
@@ -184,7 +193,7 @@ PointId Window::addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double i
 std::optional<PointId> Window::activatePoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth) {
   if (!(inverse_depth > 0.0) || !std::isfinite(inverse_depth)) return std::nullopt;
   std::optional<PointState> point =
-      impl_->activation_.activate(impl_->state_, impl_->state_.indexOf(host), pixel, inverse_depth);
+      impl_->activation_.activate(impl_->state_, impl_->pairs(), impl_->state_.indexOf(host), pixel, inverse_depth);
   if (!point) return std::nullopt;
   return impl_->insert(std::move(*point));
 }
@@ -199,6 +208,7 @@ WindowSummary Window::optimize(int max_iterations) {
     impl_->anchor_.choose(impl_->state_);
     impl_->anchor_chosen_ = impl_->anchor_.active();
   }
+  impl_->pairs_.clear();
   return impl_->optimizer_.optimize(impl_->state_, impl_->anchor_, max_iterations);
 }
 

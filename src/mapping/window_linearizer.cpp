@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <Eigen/LU>
-
 #include "mba_vo/image/parallel_for.h"
 
 namespace mba_vo {
@@ -11,12 +9,6 @@ namespace {
 
 constexpr int kMaxChunks = 16;
 constexpr int kMinChunkPoints = 64;
-
-/// Distance of the point's projection from the centre of the pixel set [px of the target].
-float projectionDrift(const PatchPath& path, const Eigen::Vector2d& host_pixel) {
-  const Eigen::Vector2f offset = path.c0 - host_pixel.cast<float>();
-  return (path.A0.inverse() * offset).lpNorm<Eigen::Infinity>();
-}
 
 }  // namespace
 
@@ -30,21 +22,8 @@ struct WindowLinearizer::Chunk {
   std::vector<PairSums> pairs;  // host * keyframes + target
 };
 
-std::vector<PairGeometry> WindowLinearizer::makePairs(const WindowState& state) const {
-  const int n = state.size();
-  std::vector<PairGeometry> pairs(static_cast<std::size_t>(n * n));
-  for (int h = 0; h < n; ++h) {
-    for (int t = 0; t < n; ++t) {
-      if (h == t) continue;
-      pairs[static_cast<std::size_t>(h * n + t)] =
-          makePairGeometry(state.keyframe(h), state.keyframe(t), reblur_targets_);
-    }
-  }
-  return pairs;
-}
-
 void WindowLinearizer::placePixels(WindowState& state, float max_drift) const {
-  const std::vector<PairGeometry> pairs = makePairs(state);
+  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_);
   for (PointState& point : state.points) {
     for (PatchResidual& residual : point.residuals) {
       if (residual.has_pixels && residual.drift <= max_drift) continue;
@@ -60,7 +39,8 @@ void WindowLinearizer::linearizePoint(WindowState& state, const std::vector<Pair
   Vector8 host_depth = Vector8::Zero();
   double H_depth = 0.0;
   double b_depth = 0.0;
-  PatchPath path, first_path;
+  PatchPath path;
+  PatchComparison comparison;
   PatchMoments moments;
   ResidualSystem system;
   for (PatchResidual& residual : point.residuals) {
@@ -68,15 +48,16 @@ void WindowLinearizer::linearizePoint(WindowState& state, const std::vector<Pair
     if (!residual.has_pixels) continue;
     const auto index = static_cast<std::size_t>(point.host * state.size() + residual.target);
     const PairGeometry& pair = pairs[index];
-    if (!pair.path->make(residual.centre.cast<double>(), point.inverse_depth, path)) continue;
+    const Eigen::Vector2d centre = residual.centre.cast<double>();
+    if (!pair.path->makeWithoutPose(centre, point.inverse_depth, path)) continue;
     residual.drift = projectionDrift(path, point.pixel);
-    if (!evaluatePatch(pair, path, residual, options_, moments)) continue;
-    residual.trial_energy = moments.energy;
-    if (moments.energy > state.keyframe(residual.target).outlier_energy) continue;
-    if (pair.first_path && !pair.first_path->make(residual.centre.cast<double>(), point.inverse_depth, first_path)) {
-      continue;
-    }
-    assembleSystem(moments, pair.first_path ? first_path : path, pair.blurred, system);
+    if (!comparePatch(pair, path, residual, options_, comparison)) continue;
+    residual.trial_energy = comparison.energy;
+    if (comparison.energy > state.keyframe(residual.target).outlier_energy) continue;
+    const FixedMotionPathMaker& jacobian_maker = pair.first_path ? *pair.first_path : *pair.path;
+    if (!jacobian_maker.make(centre, point.inverse_depth, path)) continue;
+    sumMoments(pair, comparison, moments);
+    assembleSystem(moments, path, pair.blurred, system);
     chunk.pairs[index].H += system.H;
     chunk.pairs[index].b += system.b;
     V.segment<kKeyframeDim>(kKeyframeDim * residual.target) += system.H_state_depth.transpose();
@@ -109,7 +90,7 @@ void addPair(const PairSums& sums, const Matrix8& J_host, int host, int target, 
 void WindowLinearizer::linearize(WindowState& state, const std::vector<int>& points, LinearizedWindow& out) const {
   const int n = state.size();
   const int count = static_cast<int>(points.size());
-  const std::vector<PairGeometry> pairs = makePairs(state);
+  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_);
   out.setZero(kKeyframeDim * n, count);
 
   const int chunk_points = std::max(kMinChunkPoints, (count + kMaxChunks - 1) / kMaxChunks);

@@ -25,7 +25,6 @@ class WindowLinearizer {
 
  private:
   struct Chunk;
-  std::vector<PairGeometry> makePairs(const WindowState& state) const;
   void linearizePoint(WindowState& state, const std::vector<PairGeometry>& pairs, PointState& point, int row,
                       Chunk& chunk, LinearizedWindow& out) const;
 
