@@ -1,6 +1,7 @@
 #include "mba_vo/mapping/photometric_residual.h"
 
 #include <cmath>
+#include <cstring>
 
 #include <Eigen/LU>
 
@@ -34,26 +35,27 @@ void readTarget(const PairGeometry& pair, const Eigen::Vector2i& centre, double 
 }
 
 constexpr int kPixels = kResidualPixels;
-constexpr int kSize = 8;  // of z, padded
+constexpr int kSize = 8;  // of z = [gx gy ugx ugy, J_a, J_b, r], padded
 
 /// Residuals, weights and energies of all pixels.
 MBA_VO_MULTIVERSION
-void weighPixels(const PairGeometry& pair, const PatchResidual& residual, float huber_threshold,
-                 PatchComparison& comparison) {
-  const float* __restrict value = comparison.reblurred.value.data();
-  const float* __restrict intensity = residual.intensity.data();
-  const float* __restrict weight = residual.weight.data();
+void weighPixels(const PairGeometry& pair, const PatchResidual& residual, const ReblurredPatch& reblurred,
+                 float huber_threshold, PatchComparison& __restrict comparison) {
   const float gain = pair.gain;
   const float offset_host = pair.offset_host;
   const float offset_target = pair.offset_target;
   float energy[kPixels];
-  for (int k = 0; k < kPixels; ++k) {
-    const float normalized = gain * (value[k] - offset_host);
-    const float r = intensity[k] - normalized - offset_target;
+  for (std::size_t k = 0; k < kPixels; ++k) {
+    const float normalized = gain * (reblurred.value[k] - offset_host);
+    const float r = residual.intensity[k] - normalized - offset_target;
     const float magnitude = std::abs(r);
     const float quotient = huber_threshold / magnitude;
     const float huber = magnitude <= huber_threshold ? 1.0F : quotient;
-    const float w = weight[k] * huber;
+    const float w = residual.weight[k] * huber;
+    comparison.gx[k] = -gain * reblurred.gx[k];
+    comparison.gy[k] = -gain * reblurred.gy[k];
+    comparison.ugx[k] = -gain * reblurred.ugx[k];
+    comparison.ugy[k] = -gain * reblurred.ugy[k];
     comparison.normalized[k] = normalized;
     comparison.r[k] = r;
     comparison.weight[k] = w;
@@ -63,43 +65,54 @@ void weighPixels(const PairGeometry& pair, const PatchResidual& residual, float 
       ((energy[0] + energy[4]) + (energy[2] + energy[6])) + ((energy[1] + energy[5]) + (energy[3] + energy[7]));
 }
 
-MBA_VO_MULTIVERSION
-void sumProducts(const float* __restrict z, const float* __restrict weight, float* __restrict out) {
-  float sums[kSize * kSize] = {};
-  for (int k = 0; k < kPixels; ++k) {
-    const float* __restrict row = z + kSize * k;
-#pragma GCC unroll 8
-    for (int i = 0; i < kSize; ++i) {
-      const float factor = weight[k] * row[i];
-      for (int j = 0; j < kSize; ++j) sums[kSize * i + j] += factor * row[j];
-    }
-  }
-  for (int i = 0; i < kSize * kSize; ++i) out[i] = sums[i];
-}
+using FloatRow = float __attribute__((vector_size(kSize * sizeof(float))));
+using DoubleRow = double __attribute__((vector_size(kSize * sizeof(double))));
 
-/// Products of the image-gradient moments with the Jacobians of pose and inverse depth, E: one row of eight per moment.
+/// Products of the sums S = sum_k w_k z_k z_k^T over the pixels with the Jacobians E of pose and inverse depth.
 struct JacobianProducts {
-  alignas(64) double S[kSize][kSize];    // symmetric; all of z
   alignas(64) double E[4][kSize];        // d path / d (pose, inverse depth), zero padding
-  alignas(64) double ESE[kSize][kSize];  // E^T S E, without the padding's row
+  alignas(64) double S[kSize][kSize];    // symmetric
   alignas(64) double SE[kSize][kSize];   // S E
+  alignas(64) double ESE[kSize][kSize];  // E^T S E
 };
 
+/// From S on in double: it is rounded but common to all blocks, so that directions which cannot be observed stay
+/// unobserved.
 MBA_VO_MULTIVERSION
-void multiplyOut(int rows, JacobianProducts& p) {
-  for (int i = 0; i < kSize - 1; ++i) {
-    double sum[kSize] = {};
-    for (int j = 0; j < rows; ++j) {
-      for (int c = 0; c < kSize; ++c) sum[c] += p.S[i][j] * p.E[j][c];
-    }
-    for (int c = 0; c < kSize; ++c) p.SE[i][c] = sum[c];
+void multiplyOut(const PatchComparison& c, int rows, JacobianProducts& p) {
+  alignas(64) float z[kPixels][kSize];  // times sqrt(w), so that S is symmetric to the last bit
+  for (std::size_t k = 0; k < kPixels; ++k) {
+    const float root = std::sqrt(c.weight[k]);
+    z[k][0] = root * c.gx[k];
+    z[k][1] = root * c.gy[k];
+    z[k][2] = root * c.ugx[k];
+    z[k][3] = root * c.ugy[k];
+    z[k][4] = -root * c.normalized[k];
+    z[k][5] = -root;
+    z[k][6] = root * c.r[k];
+    z[k][7] = 0.0F;
   }
+  FloatRow sums[kSize - 1] = {};
+  for (int k = 0; k < kPixels; ++k) {
+    FloatRow row;
+    std::memcpy(&row, z[k], sizeof(row));
+    for (int i = 0; i < kSize - 1; ++i) sums[i] += z[k][i] * row;
+  }
+  DoubleRow E[4];
+  std::memcpy(E, p.E, sizeof(E));
+  for (int i = 0; i < kSize - 1; ++i) {
+    const DoubleRow S = __builtin_convertvector(sums[i], DoubleRow);
+    DoubleRow SE = S[0] * E[0] + S[1] * E[1];
+    if (rows > 2) SE += S[2] * E[2] + S[3] * E[3];
+    std::memcpy(p.S[i], &S, sizeof(S));
+    std::memcpy(p.SE[i], &SE, sizeof(SE));
+  }
+  DoubleRow SE[4];
+  std::memcpy(SE, p.SE, sizeof(SE));
   for (int q = 0; q < kSize - 1; ++q) {
-    double sum[kSize] = {};
-    for (int i = 0; i < rows; ++i) {
-      for (int c = 0; c < kSize; ++c) sum[c] += p.E[i][q] * p.SE[i][c];
-    }
-    for (int c = 0; c < kSize; ++c) p.ESE[q][c] = sum[c];
+    DoubleRow ESE = p.E[0][q] * SE[0] + p.E[1][q] * SE[1];
+    if (rows > 2) ESE += p.E[2][q] * SE[2] + p.E[3][q] * SE[3];
+    std::memcpy(p.ESE[q], &ESE, sizeof(ESE));
   }
 }
 
@@ -182,43 +195,22 @@ float projectionDrift(const PatchPath& path, const Eigen::Vector2d& host_pixel) 
 bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
                   const ResidualOptions& options, PatchComparison& comparison) {
   const int samples = pair.blurred ? sampleCount(path.length(), options.sample_spacing_px, options.max_samples) : 1;
-  reblurPatch(*pair.host_image, path, pattern(), samples, comparison.reblurred);
-  weighPixels(pair, residual, options.huber_threshold, comparison);
+  ReblurredPatch reblurred;
+  reblurPatch(*pair.host_image, path, pattern(), samples, reblurred);
+  weighPixels(pair, residual, reblurred, options.huber_threshold, comparison);
   return std::isfinite(comparison.energy);
 }
 
-void sumMoments(const PairGeometry& pair, const PatchComparison& comparison, PatchMoments& moments) {
-  const ReblurredPatch& patch = comparison.reblurred;
-  alignas(64) float z[kPixels * kSize];
-  for (std::size_t k = 0; k < kPixels; ++k) {
-    float* row = z + kSize * k;
-    row[0] = -pair.gain * patch.gx[k];
-    row[1] = -pair.gain * patch.gy[k];
-    row[2] = -pair.gain * patch.ugx[k];
-    row[3] = -pair.gain * patch.ugy[k];
-    row[4] = -comparison.normalized[k];
-    row[5] = -1.0F;
-    row[6] = comparison.r[k];
-    row[7] = 0.0F;
-  }
-  sumProducts(z, comparison.weight.data(), moments.data());
-}
-
-void assembleSystem(const PatchMoments& moments, const PatchPath& path, bool blurred, ResidualSystem& system) {
-  // From here on in double: the sums are rounded but common to all blocks, so that directions which cannot be observed
-  // stay unobserved.
+void assembleSystem(const PatchComparison& comparison, const PatchPath& path, bool blurred, ResidualSystem& system) {
   JacobianProducts p;
-  for (int i = 0; i < kSize; ++i) {
-    for (int j = 0; j < kSize; ++j) p.S[i][j] = 0.5 * (static_cast<double>(moments(i, j)) + moments(j, i));
-  }
   const int rows = blurred ? 4 : 2;  // sharp patches have no moments in u
-  for (int i = 0; i < rows; ++i) {
+  for (int i = 0; i < 4; ++i) {
     const auto part = static_cast<std::size_t>(i / 2);
     for (int c = 0; c < 6; ++c) p.E[i][c] = path.J_pose[part](i % 2, c);
     p.E[i][6] = path.J_inverse_depth[part](i % 2);
     p.E[i][7] = 0.0;
   }
-  multiplyOut(rows, p);
+  multiplyOut(comparison, rows, p);
   for (int c = 0; c < 6; ++c) {
     for (int q = 0; q < 6; ++q) system.H(q, c) = p.ESE[q][c];
     system.H(6, c) = system.H(c, 6) = p.SE[4][c];
@@ -237,15 +229,14 @@ void assembleSystem(const PatchMoments& moments, const PatchPath& path, bool blu
   system.b_depth = p.SE[6][6];
 }
 
-DepthSystem assembleDepth(const PairGeometry& pair, const PatchComparison& comparison, const PatchPath& path) {
-  const ReblurredPatch& patch = comparison.reblurred;
-  const Eigen::Vector2f J0 = -pair.gain * path.J_inverse_depth[0].cast<float>();
-  Eigen::Vector2f J1 = Eigen::Vector2f::Zero();
-  if (pair.blurred) J1 = -pair.gain * path.J_inverse_depth[1].cast<float>();
+DepthSystem assembleDepth(const PatchComparison& comparison, const PatchPath& path, bool blurred) {
+  const Eigen::Vector2f J0 = path.J_inverse_depth[0].cast<float>();
+  const Eigen::Vector2f J1 = blurred ? Eigen::Vector2f(path.J_inverse_depth[1].cast<float>()) : Eigen::Vector2f::Zero();
   float H = 0.0F;
   float b = 0.0F;
   for (std::size_t k = 0; k < kPixels; ++k) {
-    const float J = J0.x() * patch.gx[k] + J0.y() * patch.gy[k] + J1.x() * patch.ugx[k] + J1.y() * patch.ugy[k];
+    const float J =
+        J0.x() * comparison.gx[k] + J0.y() * comparison.gy[k] + J1.x() * comparison.ugx[k] + J1.y() * comparison.ugy[k];
     H += comparison.weight[k] * J * J;
     b += comparison.weight[k] * J * comparison.r[k];
   }

@@ -32,7 +32,12 @@ void WindowMarginalizer::marginalizePoints(WindowState& state, const std::vector
     state.prior.add(reduced.H, reduced.b - reduced.H * state.deltas());
     connectObservers(state, kept);
   }
-  for (auto index = points.rbegin(); index != points.rend(); ++index) state.points.erase(state.points.begin() + *index);
+  std::vector<bool> leaves(state.points.size(), false);
+  for (const int index : points) leaves[static_cast<std::size_t>(index)] = true;
+  std::size_t i = 0;
+  state.points.erase(std::remove_if(state.points.begin(), state.points.end(),
+                                    [&](const PointState& /*point*/) { return leaves[i++]; }),
+                     state.points.end());
 }
 
 void WindowMarginalizer::marginalizeHosted(WindowState& state, int host) const {

@@ -35,7 +35,7 @@ WindowPointActivation::Evaluation WindowPointActivation::evaluate(const WindowSt
     total.drifted = total.drifted || residual.drift > options_.max_drift_px;
     total.cost += std::min(static_cast<double>(comparison.energy), limit);
     if (!state.isGood(residual)) continue;
-    const DepthSystem system = assembleDepth(pair, comparison, path);
+    const DepthSystem system = assembleDepth(comparison, path, pair.blurred);
     total.H += system.H;
     total.b += system.b;
   }

@@ -155,7 +155,6 @@ TEST_P(WindowJacobian, HessianIsTheProductOfJacobians) {
   keepCentre(residual);
   PatchPath path;
   PatchComparison comparison;
-  PatchMoments moments;
   const auto residualAt = [&](const Eigen::VectorXd& d) -> Eigen::VectorXd {
     KeyframeState moved = state.keyframe(1);
     moved.delta = d.head<8>();
@@ -168,15 +167,14 @@ TEST_P(WindowJacobian, HessianIsTheProductOfJacobians) {
   ResidualSystem system;
   ASSERT_TRUE(pair.path->make(residual.centre.cast<double>(), 0.6, path));
   ASSERT_TRUE(comparePatch(pair, path, residual, options, comparison));
-  sumMoments(pair, comparison, moments);
-  assembleSystem(moments, path, pair.blurred, system);
+  assembleSystem(comparison, path, pair.blurred, system);
   Eigen::Matrix<double, 9, 9> H;
   H << system.H, system.H_state_depth, system.H_state_depth.transpose(), system.H_depth;
   const Eigen::Matrix<double, 9, 9> expected = J.transpose() * J;
   const Eigen::Matrix<double, 9, 1> scale = expected.diagonal().cwiseSqrt().cwiseInverse();
   EXPECT_LT((scale.asDiagonal() * (H - expected) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 5e-3);
 
-  const DepthSystem depth = assembleDepth(pair, comparison, path);
+  const DepthSystem depth = assembleDepth(comparison, path, pair.blurred);
   EXPECT_NEAR(depth.H, system.H_depth, 1e-4 * system.H_depth);
   EXPECT_NEAR(depth.b, system.b_depth, 1e-4 * std::abs(system.b_depth));
 }

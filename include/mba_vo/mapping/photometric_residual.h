@@ -46,22 +46,17 @@ float projectionDrift(const PatchPath& path, const Eigen::Vector2d& host_pixel);
 
 /// A residual's pixels beside the re-blurred host: r = B_target - (gain (B_reblurred - b_host) + b_target).
 struct PatchComparison {
-  ReblurredPatch reblurred;
-  alignas(64) std::array<float, kResidualPixels> r;           // [grey levels]
-  alignas(64) std::array<float, kResidualPixels> weight;      // of r^2, with Huber's
-  alignas(64) std::array<float, kResidualPixels> normalized;  // gain (B_reblurred - b_host)
-  float energy = 0.0F;                                        // Huber energy [grey levels^2]
+  using Pixels = std::array<float, kResidualPixels>;
+  alignas(64) Pixels gx, gy, ugx, ugy;  // moments of the host's gradient along the blur path, times -gain
+  Pixels normalized;                    // gain (B_reblurred - b_host)
+  Pixels r;                             // [grey levels]
+  Pixels weight;                        // of r^2, with Huber's
+  float energy = 0.0F;                  // Huber energy [grey levels^2]
 };
 
 /// False if the path leaves the host.
 bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
                   const ResidualOptions& options, PatchComparison& comparison);
-
-/// Weighted sums over the pixels of products of z = [gx gy ugx ugy, J_a, J_b, r]: image gradient along the blur path
-/// (already times -gain), derivatives for a and b of the target, residual. The last row and column are zero padding.
-using PatchMoments = Eigen::Matrix<float, 8, 8>;
-
-void sumMoments(const PairGeometry& pair, const PatchComparison& comparison, PatchMoments& moments);
 
 /// Gauss-Newton terms of one residual in the target's states (pose, a, b) and the inverse depth.
 struct ResidualSystem {
@@ -74,7 +69,7 @@ struct ResidualSystem {
 
 /// `path` supplies the geometric Jacobians; it is that of the linearisation points if those differ from the current
 /// state.
-void assembleSystem(const PatchMoments& moments, const PatchPath& path, bool blurred, ResidualSystem& system);
+void assembleSystem(const PatchComparison& comparison, const PatchPath& path, bool blurred, ResidualSystem& system);
 
 /// The same for the inverse depth alone.
 struct DepthSystem {
@@ -82,6 +77,6 @@ struct DepthSystem {
   double b = 0.0;
 };
 
-DepthSystem assembleDepth(const PairGeometry& pair, const PatchComparison& comparison, const PatchPath& path);
+DepthSystem assembleDepth(const PatchComparison& comparison, const PatchPath& path, bool blurred);
 
 }  // namespace mba_vo
