@@ -58,7 +58,8 @@ class Window::Impl {
   void marginalizePoints();
   void marginalize(KeyframeId keyframe);
   const std::vector<PairGeometry>& pairs();
-  WindowPoint describe(const PointState& point) const;
+  /// `positions`: of the keyframes' cameras.
+  WindowPoint describe(const PointState& point, const std::vector<Eigen::Vector3d>& positions) const;
 
   WindowConfig config_;
   ResidualOptions residual_options_;
@@ -153,7 +154,7 @@ const std::vector<PairGeometry>& Window::Impl::pairs() {
   return pairs_;
 }
 
-WindowPoint Window::Impl::describe(const PointState& point) const {
+WindowPoint Window::Impl::describe(const PointState& point, const std::vector<Eigen::Vector3d>& positions) const {
   WindowPoint out;
   const KeyframeState& host = state_.keyframe(point.host);
   out.id = point.id;
@@ -162,11 +163,11 @@ WindowPoint Window::Impl::describe(const PointState& point) const {
   out.inverse_depth = point.inverse_depth;
   out.variance = 1.0 / std::max(point.information, 1e-12);
   out.visible_in_newest = point.host == state_.size() - 1;
-  const Eigen::Vector3d position = host.T_map_keyframe().translation();
+  const Eigen::Vector3d& position = positions[static_cast<std::size_t>(point.host)];
   for (const PatchResidual& residual : point.residuals) {
     if (!state_.isGood(residual)) continue;
     ++out.good_residuals;
-    const Eigen::Vector3d baseline = state_.keyframe(residual.target).T_map_keyframe().translation() - position;
+    const Eigen::Vector3d baseline = positions[static_cast<std::size_t>(residual.target)] - position;
     out.relative_baseline = std::max(out.relative_baseline, baseline.norm() * point.inverse_depth);
     out.visible_in_newest = out.visible_in_newest || residual.target == state_.size() - 1;
   }
@@ -231,8 +232,11 @@ AffineBrightness Window::brightness(KeyframeId id) const {
 }
 
 std::vector<WindowPoint> Window::points() const {
+  std::vector<Eigen::Vector3d> positions;
+  for (const KeyframeState& k : impl_->state_.keyframes) positions.push_back(k.T_map_keyframe().translation());
   std::vector<WindowPoint> points;
-  for (const PointState& point : impl_->state_.points) points.push_back(impl_->describe(point));
+  points.reserve(impl_->state_.points.size());
+  for (const PointState& point : impl_->state_.points) points.push_back(impl_->describe(point, positions));
   return points;
 }
 

@@ -34,10 +34,11 @@ void WindowMarginalizer::marginalizePoints(WindowState& state, const std::vector
   }
   std::vector<bool> leaves(state.points.size(), false);
   for (const int index : points) leaves[static_cast<std::size_t>(index)] = true;
-  std::size_t i = 0;
-  state.points.erase(std::remove_if(state.points.begin(), state.points.end(),
-                                    [&](const PointState& /*point*/) { return leaves[i++]; }),
-                     state.points.end());
+  std::vector<PointState> remaining;
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    if (!leaves[i]) remaining.push_back(std::move(state.points[i]));
+  }
+  state.points = std::move(remaining);
 }
 
 void WindowMarginalizer::marginalizeHosted(WindowState& state, int host) const {

@@ -17,13 +17,13 @@ double truncated(float energy, double limit) { return std::min(static_cast<doubl
 
 /// A patch all of whose pixels are at the Huber threshold is always acceptable; beyond that a residual is compared with
 /// the others of its keyframe. The two are averaged, so that neither a perfect nor a bad keyframe runs away.
-double outlierEnergy(std::vector<float>& root_energies, double huber_threshold) {
+double outlierEnergy(std::vector<float>& energies, double huber_threshold) {
   const double acceptable = huber_threshold * std::sqrt(static_cast<double>(kResidualPixels));
-  if (root_energies.empty()) return acceptable * acceptable;
-  const auto rank = root_energies.begin() +
-                    static_cast<std::ptrdiff_t>(kThresholdQuantile * static_cast<double>(root_energies.size() - 1));
-  std::nth_element(root_energies.begin(), rank, root_energies.end());
-  const double root = 0.5 * acceptable + 0.5 * kThresholdFactor * static_cast<double>(*rank);
+  if (energies.empty()) return acceptable * acceptable;
+  const auto rank =
+      energies.begin() + static_cast<std::ptrdiff_t>(kThresholdQuantile * static_cast<double>(energies.size() - 1));
+  std::nth_element(energies.begin(), rank, energies.end());
+  const double root = 0.5 * acceptable + 0.5 * kThresholdFactor * std::sqrt(static_cast<double>(*rank));
   return root * root;
 }
 
@@ -82,15 +82,15 @@ void WindowOptimizer::acceptEnergies(WindowState& state) const {
 }
 
 void WindowOptimizer::updateOutlierThresholds(WindowState& state) const {
-  std::vector<std::vector<float>> root_energies(state.keyframes.size());
+  std::vector<std::vector<float>> energies(state.keyframes.size());
   for (const PointState& point : state.points) {
     for (const PatchResidual& residual : point.residuals) {
       if (std::isnan(residual.energy)) continue;
-      root_energies[static_cast<std::size_t>(residual.target)].push_back(std::sqrt(residual.energy));
+      energies[static_cast<std::size_t>(residual.target)].push_back(residual.energy);
     }
   }
-  for (std::size_t i = 0; i < root_energies.size(); ++i) {
-    state.keyframes[i].outlier_energy = outlierEnergy(root_energies[i], huber_threshold_);
+  for (std::size_t i = 0; i < energies.size(); ++i) {
+    state.keyframes[i].outlier_energy = outlierEnergy(energies[i], huber_threshold_);
   }
 }
 
