@@ -212,7 +212,7 @@ void assembleSystem(const PatchComparison& comparison, const PatchPath& path, bo
   }
   multiplyOut(comparison, rows, p);
   for (int c = 0; c < 6; ++c) {
-    for (int q = 0; q < 6; ++q) system.H(q, c) = p.ESE[q][c];
+    for (int q = 0; q < 6; ++q) system.H(q, c) = p.ESE[c][q];
     system.H(6, c) = system.H(c, 6) = p.SE[4][c];
     system.H(7, c) = system.H(c, 7) = p.SE[5][c];
     system.b(c) = p.SE[6][c];
