@@ -19,10 +19,7 @@ WindowPointActivation::Evaluation WindowPointActivation::evaluate(const WindowSt
   for (PatchResidual& residual : point.residuals) {
     const PairGeometry& pair = pairs[static_cast<std::size_t>(point.host * state.size() + residual.target)];
     const double limit = state.keyframe(residual.target).outlier_energy;
-    if (place_pixels && !(residual.has_pixels && residual.drift <= options_.max_drift_px)) {
-      placePixels(pair, point.pixel, point.inverse_depth, residual_options_, residual);
-      residual.drift = 0.0F;
-    }
+    if (place_pixels) placePixels(pair, point.pixel, point.inverse_depth, residual_options_, residual);
     if (!residual.has_pixels ||
         !pair.path->makeWithoutPose(residual.centre.cast<double>(), point.inverse_depth, path) ||
         !comparePatch(pair, path, residual, residual_options_, comparison)) {
@@ -31,8 +28,6 @@ WindowPointActivation::Evaluation WindowPointActivation::evaluate(const WindowSt
       continue;
     }
     residual.energy = comparison.energy;
-    residual.drift = projectionDrift(path, point.pixel);
-    total.drifted = total.drifted || residual.drift > options_.max_drift_px;
     total.cost += std::min(static_cast<double>(comparison.energy), limit);
     if (!state.isGood(residual)) continue;
     const DepthSystem system = assembleDepth(comparison, path, pair.blurred);
@@ -72,13 +67,12 @@ std::optional<PointState> WindowPointActivation::activate(const WindowState& sta
     const double factor = 1.0 - current.b / (current.H * (1.0 + lambda)) / point.inverse_depth;
     if (std::abs(factor - 1.0) < options_.min_relative_step) break;
     trial.inverse_depth *= std::clamp(factor, 1.0 / kMaxDepthFactor, kMaxDepthFactor);
-    const Evaluation tried = evaluate(state, pairs, false, trial);
-    if (tried.cost >= current.cost) {
+    if (evaluate(state, pairs, false, trial).cost >= current.cost) {
       lambda = std::max(lambda, 0.1) * 5.0;
       continue;
     }
     point = std::move(trial);
-    current = tried.drifted ? evaluate(state, pairs, true, point) : tried;
+    current = evaluate(state, pairs, true, point);
     lambda *= 0.1;
   }
   if (!acceptable(state, point, current)) return std::nullopt;

@@ -12,7 +12,6 @@ struct WindowPointActivationOptions {
   double min_good_fraction = 0.5;           // of the residuals whose patch is inside both images
   double min_relative_information = 100.0;  // inverse depth^2 times its information
   double min_relative_step = 1e-4;          // of the inverse depth; a smaller one is not worth a step
-  float max_drift_px = 0.75F;               // beyond it a residual gets new pixels
 };
 
 /// Finds the inverse depth of one point by Gauss-Newton on its residuals in all other keyframes, all poses fixed.
@@ -31,7 +30,6 @@ class WindowPointActivation {
     double cost = 0.0;
     double H = 0.0;  // of the inverse depth
     double b = 0.0;
-    bool drifted = false;  // a residual should get new pixels
   };
   Evaluation evaluate(const WindowState& state, const std::vector<PairGeometry>& pairs, bool place_pixels,
                       PointState& point) const;
