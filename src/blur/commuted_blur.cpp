@@ -29,8 +29,8 @@ CommutedBlur::CommutedBlur(const PinholeCamera& reference_camera, const PinholeC
 bool CommutedBlur::referencePath(const Eigen::Vector2d& centre, double inverse_depth, PatchPath& path) const {
   PatchPath transfer;
   PatchPath own;
-  if (!to_reference_.make(centre, inverse_depth, transfer)) return false;
-  if (!within_reference_.make(transfer.c0.cast<double>(), inverse_depth, own)) return false;
+  if (!to_reference_.makeWithoutPose(centre, inverse_depth, transfer)) return false;
+  if (!within_reference_.makeWithoutPose(transfer.c0.cast<double>(), inverse_depth, own)) return false;
   // The frame's pixel c + A0^-1 m looks where the reference's own pixel displaced by m looks.
   const Eigen::Matrix2f to_frame = transfer.A0.inverse();
   path = transfer;

@@ -124,8 +124,8 @@ Offsets makeOffsets(const PatchPattern& pattern, int count) {
   Offsets offsets;
   for (int k = 0; k < count; ++k) {
     const auto i = static_cast<std::size_t>(k);
-    offsets.dx[k] = k < pattern.size ? static_cast<float>(pattern.dx[i]) : 0.0F;
-    offsets.dy[k] = k < pattern.size ? static_cast<float>(pattern.dy[i]) : 0.0F;
+    offsets.dx[k] = static_cast<float>(pattern.dx[i]);  // 0 beyond the pattern's size
+    offsets.dy[k] = static_cast<float>(pattern.dy[i]);
   }
   return offsets;
 }
@@ -177,7 +177,7 @@ PatchPattern PatchPattern::spread8() {
 
 void reblurPatch(const ImageLevel& reference, const PatchPath& path, const PatchPattern& pattern, int samples,
                  ReblurredPatch& out) {
-  const int count = roundUp(pattern.size);
+  const int count = pattern.size <= kFewLanes ? kFewLanes : roundUp(pattern.size);
   const Offsets offsets = makeOffsets(pattern, count);
   const int n = std::clamp(samples, 1, kMaxSamples);
   std::array<Placement, kMaxSamples> placements;

@@ -2,59 +2,110 @@
 
 #include <cmath>
 
+#include "mba_vo/blur/multiversion.h"
+
 namespace mba_vo {
 namespace {
 
-struct Sample {
-  float value, gx, gy;
+constexpr int kLanes = static_cast<int>(SearchPatch::kSize);
+
+/// Bilinear interpolation at all pixels of a patch, and its derivative.
+struct Samples {
+  alignas(32) float value[kLanes];
+  alignas(32) float gx[kLanes];
+  alignas(32) float gy[kLanes];
 };
 
-/// Bilinear interpolation and its derivative.
-Sample sampleAt(const float* data, std::ptrdiff_t stride, float x, float y) {
-  const auto ix = static_cast<int>(x);
-  const auto iy = static_cast<int>(y);
-  const float wx = x - static_cast<float>(ix);
-  const float wy = y - static_cast<float>(iy);
-  const float* const p = data + iy * stride + ix;
-  const float upper = p[1] - p[0];
-  const float lower = p[stride + 1] - p[stride];
-  const float top = p[0] + wx * upper;
-  const float gy = p[stride] + wx * lower - top;
-  return {top + wy * gy, upper + wy * (lower - upper), gy};
+[[gnu::always_inline]] inline void sampleAll(const float* __restrict data, int stride, const SearchPatch& patch,
+                                             float cx, float cy, Samples& __restrict out) {
+  alignas(32) int index[kLanes];
+  alignas(32) float wx[kLanes], wy[kLanes];
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const float x = cx + patch.dx[k];
+    const float y = cy + patch.dy[k];
+    const int ix = static_cast<int>(x);
+    const int iy = static_cast<int>(y);
+    wx[k] = x - static_cast<float>(ix);
+    wy[k] = y - static_cast<float>(iy);
+    index[k] = iy * stride + ix;
+  }
+  alignas(32) float i00[kLanes], i10[kLanes], i01[kLanes], i11[kLanes];
+#pragma GCC unroll 8
+  for (int k = 0; k < kLanes; ++k) {
+    const float* texel = data + index[k];
+    i00[k] = texel[0];
+    i10[k] = texel[1];
+    i01[k] = texel[stride];
+    i11[k] = texel[stride + 1];
+  }
+  for (int k = 0; k < kLanes; ++k) {
+    const float upper = i10[k] - i00[k];
+    const float lower = i11[k] - i01[k];
+    const float top = i00[k] + wx[k] * upper;
+    const float gy = i01[k] + wx[k] * lower - top;
+    out.value[k] = top + wy[k] * gy;
+    out.gx[k] = upper + wy[k] * (lower - upper);
+    out.gy[k] = gy;
+  }
+}
+
+[[gnu::always_inline]] inline float sum(const float* v) {
+  return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
+}
+
+MBA_VO_MULTIVERSION
+float energyOf(const float* data, int stride, const SearchPatch& patch, float cx, float cy, float threshold) {
+  Samples samples;
+  sampleAll(data, stride, patch, cx, cy, samples);
+  alignas(32) float energy[kLanes];
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const float r = std::abs(samples.value[k] - patch.value[k]);
+    const float inside = r < threshold ? r : threshold;
+    energy[k] = inside * (2.0F * r - inside);
+  }
+  return sum(energy);
+}
+
+MBA_VO_MULTIVERSION
+void sumStep(const float* data, int stride, const SearchPatch& patch, float cx, float cy, float dx, float dy,
+             float threshold, float* __restrict sums) {
+  Samples samples;
+  sampleAll(data, stride, patch, cx, cy, samples);
+  alignas(32) float hessian[kLanes], gradient[kLanes], squared[kLanes], mixed[kLanes];
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const float residual = samples.value[k] - patch.value[k];
+    const float magnitude = std::abs(residual);
+    const float quotient = threshold / magnitude;
+    const float weight = magnitude <= threshold ? 1.0F : quotient;
+    const float along = samples.gx[k] * dx + samples.gy[k] * dy;
+    const float across = samples.gy[k] * dx - samples.gx[k] * dy;
+    hessian[k] = weight * along * along;
+    gradient[k] = weight * along * residual;
+    squared[k] = along * along;
+    mixed[k] = along * across;
+  }
+  sums[0] = sum(hessian);
+  sums[1] = sum(gradient);
+  sums[2] = sum(squared);
+  sums[3] = sum(mixed);
 }
 
 }  // namespace
 
 float patchEnergy(const cv::Mat1f& image, const SearchPatch& patch, const Eigen::Vector2d& centre, float threshold) {
   const Eigen::Vector2f c = centre.cast<float>();
-  const auto stride = static_cast<std::ptrdiff_t>(image.step1());
-  const float* const data = image[0];
-  float energy = 0.0F;
-  for (std::size_t k = 0; k < SearchPatch::kSize; ++k) {
-    const float value = sampleAt(data, stride, c.x() + patch.dx[k], c.y() + patch.dy[k]).value;
-    const float r = std::abs(value - patch.value[k]);
-    energy += r <= threshold ? r * r : threshold * (2.0F * r - threshold);
-  }
-  return energy;
+  return energyOf(image[0], static_cast<int>(image.step1()), patch, c.x(), c.y(), threshold);
 }
 
 LineStep linearise(const cv::Mat1f& image, const SearchPatch& patch, const Eigen::Vector2d& centre,
                    const Eigen::Vector2d& direction, double threshold) {
   const Eigen::Vector2f c = centre.cast<float>();
-  const auto stride = static_cast<std::ptrdiff_t>(image.step1());
-  LineStep sum;
-  for (std::size_t k = 0; k < SearchPatch::kSize; ++k) {
-    const Sample sample = sampleAt(image[0], stride, c.x() + patch.dx[k], c.y() + patch.dy[k]);
-    const double residual = static_cast<double>(sample.value) - static_cast<double>(patch.value[k]);
-    const double weight = std::abs(residual) <= threshold ? 1.0 : threshold / std::abs(residual);
-    const double along = sample.gx * direction.x() + sample.gy * direction.y();
-    const double across = sample.gy * direction.x() - sample.gx * direction.y();
-    sum.hessian += weight * along * along;
-    sum.gradient += weight * along * residual;
-    sum.along += along * along;
-    sum.mixed += along * across;
-  }
-  return sum;
+  const Eigen::Vector2f d = direction.cast<float>();
+  float sums[4];
+  sumStep(image[0], static_cast<int>(image.step1()), patch, c.x(), c.y(), d.x(), d.y(), static_cast<float>(threshold),
+          sums);
+  return {static_cast<double>(sums[0]), static_cast<double>(sums[1]), static_cast<double>(sums[2]),
+          static_cast<double>(sums[3])};
 }
 
 double matchError(const LineStep& step, double line_error_px) {

@@ -1,7 +1,11 @@
 #include "mba_vo/mapping/photometric_residual.h"
 
 #include <cmath>
+#include <cstring>
 
+#include <Eigen/LU>
+
+#include "mba_vo/blur/multiversion.h"
 #include "mba_vo/blur/reblur.h"
 
 namespace mba_vo {
@@ -30,29 +34,86 @@ void readTarget(const PairGeometry& pair, const Eigen::Vector2i& centre, double 
   }
 }
 
-/// J^T S J for the first `Rows` image-gradient moments; sharp patches have no moments in u.
-template <int Rows>
-void assembleRows(const Eigen::Matrix<double, 7, 7>& sums, const PatchPath& path, ResidualSystem& system) {
-  Eigen::Matrix<double, Rows, 6> J;
-  Eigen::Matrix<double, Rows, 1> J_depth;
-  for (int part = 0; part < Rows / 2; ++part) {
-    const auto i = static_cast<std::size_t>(part);
-    J.template middleRows<2>(2 * part) = path.J_pose[i];
-    J_depth.template segment<2>(2 * part) = path.J_inverse_depth[i];
+constexpr int kPixels = kResidualPixels;
+constexpr int kSize = 8;  // of z = [gx gy ugx ugy, J_a, J_b, r], padded
+
+/// Residuals, weights and energies of all pixels.
+MBA_VO_MULTIVERSION
+void weighPixels(const PairGeometry& pair, const PatchResidual& residual, const ReblurredPatch& reblurred,
+                 float huber_threshold, PatchComparison& __restrict comparison) {
+  const float gain = pair.gain;
+  const float offset_host = pair.offset_host;
+  const float offset_target = pair.offset_target;
+  float energy[kPixels];
+  for (std::size_t k = 0; k < kPixels; ++k) {
+    const float normalized = gain * (reblurred.value[k] - offset_host);
+    const float r = residual.intensity[k] - normalized - offset_target;
+    const float magnitude = std::abs(r);
+    const float quotient = huber_threshold / magnitude;
+    const float huber = magnitude <= huber_threshold ? 1.0F : quotient;
+    const float w = residual.weight[k] * huber;
+    comparison.gx[k] = -gain * reblurred.gx[k];
+    comparison.gy[k] = -gain * reblurred.gy[k];
+    comparison.ugx[k] = -gain * reblurred.ugx[k];
+    comparison.ugy[k] = -gain * reblurred.ugy[k];
+    comparison.normalized[k] = normalized;
+    comparison.r[k] = r;
+    comparison.weight[k] = w;
+    energy[k] = w * r * r * (2.0F - huber);
   }
-  const Eigen::Matrix<double, Rows, Rows> S = sums.topLeftCorner<Rows, Rows>();
-  const Eigen::Matrix<double, Rows, 6> S_J = S * J;
-  const Eigen::Matrix<double, Rows, 1> S_J_depth = S * J_depth;
-  system.H.topLeftCorner<6, 6>().noalias() = J.transpose() * S_J;
-  system.H.topRightCorner<6, 2>().noalias() = J.transpose() * sums.block<Rows, 2>(0, 4);
-  system.H.bottomLeftCorner<2, 6>() = system.H.topRightCorner<6, 2>().transpose();
-  system.H.bottomRightCorner<2, 2>() = sums.block<2, 2>(4, 4);
-  system.b.head<6>().noalias() = J.transpose() * sums.block<Rows, 1>(0, 6);
-  system.b.tail<2>() = sums.block<2, 1>(4, 6);
-  system.H_state_depth.head<6>().noalias() = J.transpose() * S_J_depth;
-  system.H_state_depth.tail<2>().noalias() = sums.block<2, Rows>(4, 0) * J_depth;
-  system.H_depth = J_depth.dot(S_J_depth);
-  system.b_depth = J_depth.dot(sums.block<Rows, 1>(0, 6));
+  comparison.energy =
+      ((energy[0] + energy[4]) + (energy[2] + energy[6])) + ((energy[1] + energy[5]) + (energy[3] + energy[7]));
+}
+
+using FloatRow = float __attribute__((vector_size(kSize * sizeof(float))));
+using DoubleRow = double __attribute__((vector_size(kSize * sizeof(double))));
+
+/// Products of the sums S = sum_k w_k z_k z_k^T over the pixels with the Jacobians E of pose and inverse depth.
+struct JacobianProducts {
+  alignas(64) double E[4][kSize];        // d path / d (pose, inverse depth), zero padding
+  alignas(64) double S[kSize][kSize];    // symmetric
+  alignas(64) double SE[kSize][kSize];   // S E
+  alignas(64) double ESE[kSize][kSize];  // E^T S E
+};
+
+/// From S on in double: it is rounded but common to all blocks, so that directions which cannot be observed stay
+/// unobserved.
+MBA_VO_MULTIVERSION
+void multiplyOut(const PatchComparison& c, int rows, JacobianProducts& p) {
+  alignas(64) float z[kPixels][kSize];  // times sqrt(w), so that S is symmetric to the last bit
+  for (std::size_t k = 0; k < kPixels; ++k) {
+    const float root = std::sqrt(c.weight[k]);
+    z[k][0] = root * c.gx[k];
+    z[k][1] = root * c.gy[k];
+    z[k][2] = root * c.ugx[k];
+    z[k][3] = root * c.ugy[k];
+    z[k][4] = -root * c.normalized[k];
+    z[k][5] = -root;
+    z[k][6] = root * c.r[k];
+    z[k][7] = 0.0F;
+  }
+  FloatRow sums[kSize - 1] = {};
+  for (int k = 0; k < kPixels; ++k) {
+    FloatRow row;
+    std::memcpy(&row, z[k], sizeof(row));
+    for (int i = 0; i < kSize - 1; ++i) sums[i] += z[k][i] * row;
+  }
+  DoubleRow E[4];
+  std::memcpy(E, p.E, sizeof(E));
+  for (int i = 0; i < kSize - 1; ++i) {
+    const DoubleRow S = __builtin_convertvector(sums[i], DoubleRow);
+    DoubleRow SE = S[0] * E[0] + S[1] * E[1];
+    if (rows > 2) SE += S[2] * E[2] + S[3] * E[3];
+    std::memcpy(p.S[i], &S, sizeof(S));
+    std::memcpy(p.SE[i], &SE, sizeof(SE));
+  }
+  DoubleRow SE[4];
+  std::memcpy(SE, p.SE, sizeof(SE));
+  for (int q = 0; q < kSize - 1; ++q) {
+    DoubleRow ESE = p.E[0][q] * SE[0] + p.E[1][q] * SE[1];
+    if (rows > 2) ESE += p.E[2][q] * SE[2] + p.E[3][q] * SE[3];
+    std::memcpy(p.ESE[q], &ESE, sizeof(ESE));
+  }
 }
 
 }  // namespace
@@ -63,8 +124,8 @@ PairGeometry makePairGeometry(const KeyframeState& host, const KeyframeState& ta
   pair.host_image = &host.sharp->level(0);
   pair.target_image = reblur_targets ? &target.original->level(0) : &target.sharp->level(0);
   const auto makePaths = [&](const SE3& T_host_target) {
-    return PatchPathMaker(pair.host_image->camera, pair.target_image->camera,
-                          {T_host_target, target.xi, pair.blurred ? 1.0 : 0.0});
+    return FixedMotionPathMaker(pair.host_image->camera, pair.target_image->camera,
+                                {T_host_target, target.xi, pair.blurred ? 1.0 : 0.0});
   };
   const SE3 T_host_target = host.T_map_keyframe().inverse() * target.T_map_keyframe();
   const SE3 T_host_target_first = host.T_linear.inverse() * target.T_linear;
@@ -86,6 +147,19 @@ PairGeometry makePairGeometry(const KeyframeState& host, const KeyframeState& ta
   pair.J_host(6, 6) = -1.0;
   pair.J_host(7, 7) = -std::exp(target.brightness_linear.a - host.brightness_linear.a);
   return pair;
+}
+
+std::vector<PairGeometry> makePairGeometries(const WindowState& state, bool reblur_targets) {
+  const int n = state.size();
+  std::vector<PairGeometry> pairs(static_cast<std::size_t>(n * n));
+  for (int h = 0; h < n; ++h) {
+    for (int t = 0; t < n; ++t) {
+      if (h == t) continue;
+      pairs[static_cast<std::size_t>(h * n + t)] =
+          makePairGeometry(state.keyframe(h), state.keyframe(t), reblur_targets);
+    }
+  }
+  return pairs;
 }
 
 void placePixels(const PairGeometry& pair, const Eigen::Vector2d& host_pixel, double inverse_depth,
@@ -113,41 +187,60 @@ void placePixels(const PairGeometry& pair, const Eigen::Vector2d& host_pixel, do
   residual.has_pixels = std::isfinite(sum);
 }
 
-bool evaluatePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
-                   const ResidualOptions& options, PatchMoments& moments) {
-  ReblurredPatch patch;
-  const int samples = pair.blurred ? sampleCount(path.length(), options.sample_spacing_px, options.max_samples) : 1;
-  reblurPatch(*pair.host_image, path, pattern(), samples, patch);
-
-  Eigen::Matrix<float, 8, kResidualPixels> z, weighted;  // one column per pixel
-  moments.energy = 0.0F;
-  for (std::size_t k = 0; k < kResidualPixels; ++k) {
-    const float normalized = pair.gain * (patch.value[k] - pair.offset_host);
-    const float r = residual.intensity[k] - normalized - pair.offset_target;
-    const float magnitude = std::abs(r);
-    const float huber = magnitude <= options.huber_threshold ? 1.0F : options.huber_threshold / magnitude;
-    const float weight = residual.weight[k] * huber;
-    moments.energy += weight * r * r * (2.0F - huber);
-    const auto column = static_cast<Eigen::Index>(k);
-    z.col(column) << -pair.gain * patch.gx[k], -pair.gain * patch.gy[k], -pair.gain * patch.ugx[k],
-        -pair.gain * patch.ugy[k], -normalized, -1.0F, r, 0.0F;
-    weighted.col(column) = weight * z.col(column);
-  }
-  if (!std::isfinite(moments.energy)) return false;
-  moments.sums.noalias() = z.lazyProduct(weighted.transpose());
-  return true;
+float projectionDrift(const PatchPath& path, const Eigen::Vector2d& host_pixel) {
+  const Eigen::Vector2f offset = path.c0 - host_pixel.cast<float>();
+  return (path.A0.inverse() * offset).lpNorm<Eigen::Infinity>();
 }
 
-void assembleSystem(const PatchMoments& moments, const PatchPath& path, bool blurred, ResidualSystem& system) {
-  // From here on in double: the sums are rounded but common to all blocks, so that directions which cannot be observed
-  // stay unobserved.
-  Eigen::Matrix<double, 7, 7> sums = moments.sums.topLeftCorner<7, 7>().cast<double>();
-  sums = (0.5 * (sums + sums.transpose())).eval();
-  if (blurred) {
-    assembleRows<4>(sums, path, system);
-  } else {
-    assembleRows<2>(sums, path, system);
+bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
+                  const ResidualOptions& options, PatchComparison& comparison) {
+  const int samples = pair.blurred ? sampleCount(path.length(), options.sample_spacing_px, options.max_samples) : 1;
+  ReblurredPatch reblurred;
+  reblurPatch(*pair.host_image, path, pattern(), samples, reblurred);
+  weighPixels(pair, residual, reblurred, options.huber_threshold, comparison);
+  return std::isfinite(comparison.energy);
+}
+
+void assembleSystem(const PatchComparison& comparison, const PatchPath& path, bool blurred, ResidualSystem& system) {
+  JacobianProducts p;
+  const int rows = blurred ? 4 : 2;  // sharp patches have no moments in u
+  for (int i = 0; i < 4; ++i) {
+    const auto part = static_cast<std::size_t>(i / 2);
+    for (int c = 0; c < 6; ++c) p.E[i][c] = path.J_pose[part](i % 2, c);
+    p.E[i][6] = path.J_inverse_depth[part](i % 2);
+    p.E[i][7] = 0.0;
   }
+  multiplyOut(comparison, rows, p);
+  for (int c = 0; c < 6; ++c) {
+    for (int q = 0; q < 6; ++q) system.H(q, c) = p.ESE[c][q];
+    system.H(6, c) = system.H(c, 6) = p.SE[4][c];
+    system.H(7, c) = system.H(c, 7) = p.SE[5][c];
+    system.b(c) = p.SE[6][c];
+    system.H_state_depth(c) = p.ESE[6][c];
+  }
+  system.H(6, 6) = p.S[4][4];
+  system.H(6, 7) = system.H(7, 6) = p.S[4][5];
+  system.H(7, 7) = p.S[5][5];
+  system.b(6) = p.S[4][6];
+  system.b(7) = p.S[5][6];
+  system.H_state_depth(6) = p.SE[4][6];
+  system.H_state_depth(7) = p.SE[5][6];
+  system.H_depth = p.ESE[6][6];
+  system.b_depth = p.SE[6][6];
+}
+
+DepthSystem assembleDepth(const PatchComparison& comparison, const PatchPath& path, bool blurred) {
+  const Eigen::Vector2f J0 = path.J_inverse_depth[0].cast<float>();
+  const Eigen::Vector2f J1 = blurred ? Eigen::Vector2f(path.J_inverse_depth[1].cast<float>()) : Eigen::Vector2f::Zero();
+  float H = 0.0F;
+  float b = 0.0F;
+  for (std::size_t k = 0; k < kPixels; ++k) {
+    const float J =
+        J0.x() * comparison.gx[k] + J0.y() * comparison.gy[k] + J1.x() * comparison.ugx[k] + J1.y() * comparison.ugy[k];
+    H += comparison.weight[k] * J * J;
+    b += comparison.weight[k] * J * comparison.r[k];
+  }
+  return {static_cast<double>(H), static_cast<double>(b)};
 }
 
 }  // namespace mba_vo

@@ -48,7 +48,7 @@ class Window::Impl {
         linearizer_(residual_options_, config.reblur_targets),
         optimizer_(linearizer_, config.huber_threshold, WindowOptimizerOptions()),
         marginalizer_(linearizer_, WindowMarginalizerOptions()),
-        activation_(residual_options_, config.reblur_targets, WindowPointActivationOptions()),
+        activation_(residual_options_, WindowPointActivationOptions()),
         anchor_(kScaleAnchor) {}
 
   void addKeyframe(const WindowKeyframe& keyframe);
@@ -57,7 +57,9 @@ class Window::Impl {
   std::vector<KeyframeId> keyframesToMarginalize() const;
   void marginalizePoints();
   void marginalize(KeyframeId keyframe);
-  WindowPoint describe(const PointState& point) const;
+  const std::vector<PairGeometry>& pairs();
+  /// `positions`: of the keyframes' cameras.
+  WindowPoint describe(const PointState& point, const std::vector<Eigen::Vector3d>& positions) const;
 
   WindowConfig config_;
   ResidualOptions residual_options_;
@@ -68,6 +70,7 @@ class Window::Impl {
   ScaleAnchor anchor_;
   bool anchor_chosen_ = false;
   WindowState state_;
+  std::vector<PairGeometry> pairs_;  // of the current state; empty: not made yet
   PointId next_point_ = 0;
 };
 
@@ -91,6 +94,7 @@ void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
   added.outlier_energy = state_.keyframes.empty()
                              ? 2.0 * kResidualPixels * config_.huber_threshold * config_.huber_threshold
                              : state_.keyframes.back().outlier_energy;
+  pairs_.clear();
   const bool first = state_.keyframes.empty();
   state_.keyframes.push_back(added);
   state_.prior.appendKeyframe();
@@ -139,12 +143,18 @@ void Window::Impl::marginalizePoints() {
 
 void Window::Impl::marginalize(KeyframeId keyframe) {
   const int index = state_.indexOf(keyframe);
+  pairs_.clear();
   marginalizePoints();
   marginalizer_.marginalizeHosted(state_, index);
   marginalizer_.marginalizeKeyframe(state_, index);
 }
 
-WindowPoint Window::Impl::describe(const PointState& point) const {
+const std::vector<PairGeometry>& Window::Impl::pairs() {
+  if (pairs_.empty()) pairs_ = makePairGeometries(state_, config_.reblur_targets);
+  return pairs_;
+}
+
+WindowPoint Window::Impl::describe(const PointState& point, const std::vector<Eigen::Vector3d>& positions) const {
   WindowPoint out;
   const KeyframeState& host = state_.keyframe(point.host);
   out.id = point.id;
@@ -153,11 +163,11 @@ WindowPoint Window::Impl::describe(const PointState& point) const {
   out.inverse_depth = point.inverse_depth;
   out.variance = 1.0 / std::max(point.information, 1e-12);
   out.visible_in_newest = point.host == state_.size() - 1;
-  const Eigen::Vector3d position = host.T_map_keyframe().translation();
+  const Eigen::Vector3d& position = positions[static_cast<std::size_t>(point.host)];
   for (const PatchResidual& residual : point.residuals) {
     if (!state_.isGood(residual)) continue;
     ++out.good_residuals;
-    const Eigen::Vector3d baseline = state_.keyframe(residual.target).T_map_keyframe().translation() - position;
+    const Eigen::Vector3d baseline = positions[static_cast<std::size_t>(residual.target)] - position;
     out.relative_baseline = std::max(out.relative_baseline, baseline.norm() * point.inverse_depth);
     out.visible_in_newest = out.visible_in_newest || residual.target == state_.size() - 1;
   }
@@ -184,7 +194,7 @@ PointId Window::addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double i
 std::optional<PointId> Window::activatePoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth) {
   if (!(inverse_depth > 0.0) || !std::isfinite(inverse_depth)) return std::nullopt;
   std::optional<PointState> point =
-      impl_->activation_.activate(impl_->state_, impl_->state_.indexOf(host), pixel, inverse_depth);
+      impl_->activation_.activate(impl_->state_, impl_->pairs(), impl_->state_.indexOf(host), pixel, inverse_depth);
   if (!point) return std::nullopt;
   return impl_->insert(std::move(*point));
 }
@@ -199,6 +209,7 @@ WindowSummary Window::optimize(int max_iterations) {
     impl_->anchor_.choose(impl_->state_);
     impl_->anchor_chosen_ = impl_->anchor_.active();
   }
+  impl_->pairs_.clear();
   return impl_->optimizer_.optimize(impl_->state_, impl_->anchor_, max_iterations);
 }
 
@@ -221,8 +232,11 @@ AffineBrightness Window::brightness(KeyframeId id) const {
 }
 
 std::vector<WindowPoint> Window::points() const {
+  std::vector<Eigen::Vector3d> positions;
+  for (const KeyframeState& k : impl_->state_.keyframes) positions.push_back(k.T_map_keyframe().translation());
   std::vector<WindowPoint> points;
-  for (const PointState& point : impl_->state_.points) points.push_back(impl_->describe(point));
+  points.reserve(impl_->state_.points.size());
+  for (const PointState& point : impl_->state_.points) points.push_back(impl_->describe(point, positions));
   return points;
 }
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <Eigen/LU>
-
 #include "mba_vo/image/parallel_for.h"
 
 namespace mba_vo {
@@ -12,10 +10,28 @@ namespace {
 constexpr int kMaxChunks = 16;
 constexpr int kMinChunkPoints = 64;
 
-/// Distance of the point's projection from the centre of the pixel set [px of the target].
-float projectionDrift(const PatchPath& path, const Eigen::Vector2d& host_pixel) {
-  const Eigen::Vector2f offset = path.c0 - host_pixel.cast<float>();
-  return (path.A0.inverse() * offset).lpNorm<Eigen::Infinity>();
+/// Calls body(chunk, row) for all rows, those of different chunks on different threads.
+template <typename Body>
+void forEachRow(std::size_t rows, const Body& body) {
+  const std::size_t chunk_rows = std::max<std::size_t>(kMinChunkPoints, (rows + kMaxChunks - 1) / kMaxChunks);
+  parallelFor((rows + chunk_rows - 1) / chunk_rows, [&](std::size_t chunk) {
+    const std::size_t end = std::min((chunk + 1) * chunk_rows, rows);
+    for (std::size_t row = chunk * chunk_rows; row < end; ++row) body(chunk, row);
+  });
+}
+
+const PairGeometry& pairOf(const std::vector<PairGeometry>& pairs, const WindowState& state, const PointState& point,
+                           const PatchResidual& residual) {
+  return pairs[static_cast<std::size_t>(point.host * state.size() + residual.target)];
+}
+
+/// The path whose derivatives count: that at the linearisation points.
+const FixedMotionPathMaker& jacobianPath(const PairGeometry& pair) {
+  return pair.first_path ? *pair.first_path : *pair.path;
+}
+
+bool isGoodTrial(const WindowState& state, const PatchResidual& residual) {
+  return residual.trial_energy <= state.keyframe(residual.target).outlier_energy;  // false for kNoEnergy
 }
 
 }  // namespace
@@ -30,55 +46,81 @@ struct WindowLinearizer::Chunk {
   std::vector<PairSums> pairs;  // host * keyframes + target
 };
 
-std::vector<PairGeometry> WindowLinearizer::makePairs(const WindowState& state) const {
-  const int n = state.size();
-  std::vector<PairGeometry> pairs(static_cast<std::size_t>(n * n));
-  for (int h = 0; h < n; ++h) {
-    for (int t = 0; t < n; ++t) {
-      if (h == t) continue;
-      pairs[static_cast<std::size_t>(h * n + t)] =
-          makePairGeometry(state.keyframe(h), state.keyframe(t), reblur_targets_);
-    }
+void WindowLinearizer::evaluateResidual(const PairGeometry& pair, const PointState& point, PatchResidual& residual,
+                                        PatchComparison& comparison) const {
+  residual.trial_energy = kNoEnergy;
+  PatchPath path;
+  if (!residual.has_pixels || !pair.path->makeWithoutPose(residual.centre.cast<double>(), point.inverse_depth, path)) {
+    return;
   }
-  return pairs;
+  residual.drift = projectionDrift(path, point.pixel);
+  if (comparePatch(pair, path, residual, options_, comparison)) residual.trial_energy = comparison.energy;
 }
 
 void WindowLinearizer::placePixels(WindowState& state, float max_drift) const {
-  const std::vector<PairGeometry> pairs = makePairs(state);
+  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_);
   for (PointState& point : state.points) {
     for (PatchResidual& residual : point.residuals) {
       if (residual.has_pixels && residual.drift <= max_drift) continue;
-      const PairGeometry& pair = pairs[static_cast<std::size_t>(point.host * state.size() + residual.target)];
-      mba_vo::placePixels(pair, point.pixel, point.inverse_depth, options_, residual);
+      mba_vo::placePixels(pairOf(pairs, state, point, residual), point.pixel, point.inverse_depth, options_, residual);
     }
   }
 }
 
-void WindowLinearizer::linearizePoint(WindowState& state, const std::vector<PairGeometry>& pairs, PointState& point,
-                                      int row, Chunk& chunk, LinearizedWindow& out) const {
+void WindowLinearizer::evaluate(WindowState& state, const std::vector<int>& points, WindowEvaluation& out) const {
+  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_);
+  out.points = points;
+  out.first.clear();
+  std::size_t residuals = 0;
+  for (const int i : points) {
+    out.first.push_back(residuals);
+    residuals += state.points[static_cast<std::size_t>(i)].residuals.size();
+  }
+  out.patches.resize(residuals);
+  forEachRow(points.size(), [&](std::size_t /*chunk*/, std::size_t row) {
+    PointState& point = state.points[static_cast<std::size_t>(points[row])];
+    std::size_t patch = out.first[row];
+    for (PatchResidual& residual : point.residuals) {
+      evaluateResidual(pairOf(pairs, state, point, residual), point, residual, out.patches[patch++]);
+    }
+  });
+}
+
+void WindowLinearizer::replacePixels(WindowState& state, float max_drift, WindowEvaluation& evaluation) const {
+  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_);
+  for (std::size_t row = 0; row < evaluation.points.size(); ++row) {
+    PointState& point = state.points[static_cast<std::size_t>(evaluation.points[row])];
+    std::size_t patch = evaluation.first[row];
+    for (PatchResidual& residual : point.residuals) {
+      PatchComparison& comparison = evaluation.patches[patch++];
+      if (residual.has_pixels && residual.drift <= max_drift) continue;
+      const PairGeometry& pair = pairOf(pairs, state, point, residual);
+      mba_vo::placePixels(pair, point.pixel, point.inverse_depth, options_, residual);
+      evaluateResidual(pair, point, residual, comparison);
+    }
+  }
+}
+
+void WindowLinearizer::assemblePoint(const WindowState& state, const std::vector<PairGeometry>& pairs,
+                                     const WindowEvaluation& evaluation, int row, Chunk& chunk, LinearizedWindow& out) {
+  const auto index = static_cast<std::size_t>(row);
+  const PointState& point = state.points[static_cast<std::size_t>(evaluation.points[index])];
+  std::size_t patch = evaluation.first[index];
   auto V = out.V.row(row);
   Vector8 host_depth = Vector8::Zero();
   double H_depth = 0.0;
   double b_depth = 0.0;
-  PatchPath path, first_path;
-  PatchMoments moments;
+  PatchPath path;
   ResidualSystem system;
-  for (PatchResidual& residual : point.residuals) {
-    residual.trial_energy = kNoEnergy;
-    if (!residual.has_pixels) continue;
-    const auto index = static_cast<std::size_t>(point.host * state.size() + residual.target);
-    const PairGeometry& pair = pairs[index];
-    if (!pair.path->make(residual.centre.cast<double>(), point.inverse_depth, path)) continue;
-    residual.drift = projectionDrift(path, point.pixel);
-    if (!evaluatePatch(pair, path, residual, options_, moments)) continue;
-    residual.trial_energy = moments.energy;
-    if (moments.energy > state.keyframe(residual.target).outlier_energy) continue;
-    if (pair.first_path && !pair.first_path->make(residual.centre.cast<double>(), point.inverse_depth, first_path)) {
-      continue;
-    }
-    assembleSystem(moments, pair.first_path ? first_path : path, pair.blurred, system);
-    chunk.pairs[index].H += system.H;
-    chunk.pairs[index].b += system.b;
+  for (const PatchResidual& residual : point.residuals) {
+    const PatchComparison& comparison = evaluation.patches[patch++];
+    if (!isGoodTrial(state, residual)) continue;
+    const PairGeometry& pair = pairOf(pairs, state, point, residual);
+    if (!jacobianPath(pair).make(residual.centre.cast<double>(), point.inverse_depth, path)) continue;
+    assembleSystem(comparison, path, pair.blurred, system);
+    PairSums& sums = chunk.pairs[static_cast<std::size_t>(&pair - pairs.data())];
+    sums.H += system.H;
+    sums.b += system.b;
     V.segment<kKeyframeDim>(kKeyframeDim * residual.target) += system.H_state_depth.transpose();
     host_depth.noalias() += pair.J_host.transpose().lazyProduct(system.H_state_depth);
     H_depth += system.H_depth;
@@ -87,6 +129,24 @@ void WindowLinearizer::linearizePoint(WindowState& state, const std::vector<Pair
   V.segment<kKeyframeDim>(kKeyframeDim * point.host) += host_depth.transpose();
   out.H_depth(row) = H_depth;
   out.b_depth(row) = b_depth;
+}
+
+void WindowLinearizer::assembleDepths(const WindowState& state, const WindowEvaluation& evaluation,
+                                      Eigen::VectorXd& H_depth) const {
+  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_);
+  H_depth.setZero(static_cast<Eigen::Index>(evaluation.points.size()));
+  forEachRow(evaluation.points.size(), [&](std::size_t /*chunk*/, std::size_t row) {
+    const PointState& point = state.points[static_cast<std::size_t>(evaluation.points[row])];
+    std::size_t patch = evaluation.first[row];
+    PatchPath path;
+    for (const PatchResidual& residual : point.residuals) {
+      const PatchComparison& comparison = evaluation.patches[patch++];
+      if (!isGoodTrial(state, residual)) continue;
+      const PairGeometry& pair = pairOf(pairs, state, point, residual);
+      if (!jacobianPath(pair).makeWithoutPose(residual.centre.cast<double>(), point.inverse_depth, path)) continue;
+      H_depth(static_cast<Eigen::Index>(row)) += assembleDepth(comparison, path, pair.blurred).H;
+    }
+  });
 }
 
 namespace {
@@ -106,23 +166,16 @@ void addPair(const PairSums& sums, const Matrix8& J_host, int host, int target, 
 
 }  // namespace
 
-void WindowLinearizer::linearize(WindowState& state, const std::vector<int>& points, LinearizedWindow& out) const {
+void WindowLinearizer::assemble(const WindowState& state, const WindowEvaluation& evaluation,
+                                LinearizedWindow& out) const {
   const int n = state.size();
-  const int count = static_cast<int>(points.size());
-  const std::vector<PairGeometry> pairs = makePairs(state);
-  out.setZero(kKeyframeDim * n, count);
-
-  const int chunk_points = std::max(kMinChunkPoints, (count + kMaxChunks - 1) / kMaxChunks);
-  std::vector<Chunk> chunks(static_cast<std::size_t>((count + chunk_points - 1) / chunk_points));
-  const auto linearizeChunk = [&](std::size_t c) {
-    chunks[c].pairs.resize(pairs.size());
-    const int first = static_cast<int>(c) * chunk_points;
-    for (int row = first; row < std::min(first + chunk_points, count); ++row) {
-      PointState& point = state.points[static_cast<std::size_t>(points[static_cast<std::size_t>(row)])];
-      linearizePoint(state, pairs, point, row, chunks[c], out);
-    }
-  };
-  parallelFor(chunks.size(), linearizeChunk);
+  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_);
+  out.setZero(kKeyframeDim * n, static_cast<int>(evaluation.points.size()));
+  std::vector<Chunk> chunks(kMaxChunks);
+  for (Chunk& chunk : chunks) chunk.pairs.resize(pairs.size());
+  forEachRow(evaluation.points.size(), [&](std::size_t chunk, std::size_t row) {
+    assemblePoint(state, pairs, evaluation, static_cast<int>(row), chunks[chunk], out);
+  });
 
   for (int h = 0; h < n; ++h) {
     for (int t = 0; t < n; ++t) {
@@ -136,6 +189,12 @@ void WindowLinearizer::linearize(WindowState& state, const std::vector<int>& poi
       addPair(total, pairs[index].J_host, h, t, out);
     }
   }
+}
+
+void WindowLinearizer::linearize(WindowState& state, const std::vector<int>& points, LinearizedWindow& out) const {
+  WindowEvaluation evaluation;
+  evaluate(state, points, evaluation);
+  assemble(state, evaluation, out);
 }
 
 }  // namespace mba_vo

@@ -32,7 +32,13 @@ void WindowMarginalizer::marginalizePoints(WindowState& state, const std::vector
     state.prior.add(reduced.H, reduced.b - reduced.H * state.deltas());
     connectObservers(state, kept);
   }
-  for (auto index = points.rbegin(); index != points.rend(); ++index) state.points.erase(state.points.begin() + *index);
+  std::vector<bool> leaves(state.points.size(), false);
+  for (const int index : points) leaves[static_cast<std::size_t>(index)] = true;
+  std::vector<PointState> remaining;
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    if (!leaves[i]) remaining.push_back(std::move(state.points[i]));
+  }
+  state.points = std::move(remaining);
 }
 
 void WindowMarginalizer::marginalizeHosted(WindowState& state, int host) const {

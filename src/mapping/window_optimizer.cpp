@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kThresholdQuantile = 0.7;  // of the root energies of a keyframe's residuals
 constexpr double kThresholdFactor = 1.5;    // of that quantile
-constexpr double kLooserThreshold = 1.1;  // a growth of the threshold beyond this factor admits more residuals at once
 constexpr int kMaxBadRounds = 3;
 constexpr int kMaxOutOfBoundsRounds = 2;
 constexpr double kMaxDepthFactor = 3.0;  // by which one step may change an inverse depth
@@ -18,13 +17,13 @@ double truncated(float energy, double limit) { return std::min(static_cast<doubl
 
 /// A patch all of whose pixels are at the Huber threshold is always acceptable; beyond that a residual is compared with
 /// the others of its keyframe. The two are averaged, so that neither a perfect nor a bad keyframe runs away.
-double outlierEnergy(std::vector<float>& root_energies, double huber_threshold) {
+double outlierEnergy(std::vector<float>& energies, double huber_threshold) {
   const double acceptable = huber_threshold * std::sqrt(static_cast<double>(kResidualPixels));
-  if (root_energies.empty()) return acceptable * acceptable;
-  const auto rank = root_energies.begin() +
-                    static_cast<std::ptrdiff_t>(kThresholdQuantile * static_cast<double>(root_energies.size() - 1));
-  std::nth_element(root_energies.begin(), rank, root_energies.end());
-  const double root = 0.5 * acceptable + 0.5 * kThresholdFactor * static_cast<double>(*rank);
+  if (energies.empty()) return acceptable * acceptable;
+  const auto rank =
+      energies.begin() + static_cast<std::ptrdiff_t>(kThresholdQuantile * static_cast<double>(energies.size() - 1));
+  std::nth_element(energies.begin(), rank, energies.end());
+  const double root = 0.5 * acceptable + 0.5 * kThresholdFactor * std::sqrt(static_cast<double>(*rank));
   return root * root;
 }
 
@@ -70,10 +69,10 @@ double WindowOptimizer::costChange(const WindowState& state) const {
   return change;
 }
 
-void WindowOptimizer::linearizeAll(WindowState& state, LinearizedWindow& out) const {
+void WindowOptimizer::evaluateAll(WindowState& state) {
   std::vector<int> all(state.points.size());
   std::iota(all.begin(), all.end(), 0);
-  linearizer_.linearize(state, all, out);
+  linearizer_.evaluate(state, all, evaluation_);
 }
 
 void WindowOptimizer::acceptEnergies(WindowState& state) const {
@@ -82,44 +81,39 @@ void WindowOptimizer::acceptEnergies(WindowState& state) const {
   }
 }
 
-/// True if a threshold grew so much that residuals left out of the last linearisation should come in.
-bool WindowOptimizer::updateOutlierThresholds(WindowState& state) const {
-  std::vector<std::vector<float>> root_energies(state.keyframes.size());
+void WindowOptimizer::updateOutlierThresholds(WindowState& state) const {
+  std::vector<std::vector<float>> energies(state.keyframes.size());
   for (const PointState& point : state.points) {
     for (const PatchResidual& residual : point.residuals) {
       if (std::isnan(residual.energy)) continue;
-      root_energies[static_cast<std::size_t>(residual.target)].push_back(std::sqrt(residual.energy));
+      energies[static_cast<std::size_t>(residual.target)].push_back(residual.energy);
     }
   }
-  bool looser = false;
-  for (std::size_t i = 0; i < root_energies.size(); ++i) {
-    const double energy = outlierEnergy(root_energies[i], huber_threshold_);
-    looser = looser || energy > kLooserThreshold * state.keyframes[i].outlier_energy;
-    state.keyframes[i].outlier_energy = energy;
+  for (std::size_t i = 0; i < energies.size(); ++i) {
+    state.keyframes[i].outlier_energy = outlierEnergy(energies[i], huber_threshold_);
   }
-  return looser;
 }
 
 void WindowOptimizer::begin(WindowState& state) {
   linearizer_.placePixels(state, options_.max_drift_px);
-  linearizeAll(state, current_);
+  evaluateAll(state);
   acceptEnergies(state);
-  if (updateOutlierThresholds(state)) linearizeAll(state, current_);
+  updateOutlierThresholds(state);
+  linearizer_.assemble(state, evaluation_, system_);
 }
 
 /// Moves the state by the step of the damped system; false if there is none.
 bool WindowOptimizer::step(WindowState& state, const ScaleAnchor& anchor, double lambda) {
-  LinearizedWindow& system = current_;
-  const Eigen::MatrixXd H = system.H;
-  const Eigen::VectorXd b = system.b;
-  state.prior.addTo(state.deltas(), system.H, system.b);
-  anchor.addTo(state, system.H, system.b);
-  schur_.reduce(system, lambda, reduced_);
-  system.H = H;
-  system.b = b;
+  const Eigen::MatrixXd H = system_.H;
+  const Eigen::VectorXd b = system_.b;
+  state.prior.addTo(state.deltas(), system_.H, system_.b);
+  anchor.addTo(state, system_.H, system_.b);
+  schur_.reduce(system_, lambda, reduced_);
+  system_.H = H;
+  system_.b = b;
   Eigen::VectorXd x;
   if (!solver_.solve(reduced_.H, reduced_.b, x)) return false;
-  const Eigen::VectorXd depth_steps = schur_.solveDepths(system, x);
+  const Eigen::VectorXd depth_steps = schur_.solveDepths(system_, x);
   step_norm_ = 0.0;
   for (int i = 0; i < state.size(); ++i) {
     const Vector8 delta = x.segment<kKeyframeDim>(kKeyframeDim * i);
@@ -134,21 +128,11 @@ bool WindowOptimizer::step(WindowState& state, const ScaleAnchor& anchor, double
   return true;
 }
 
+/// Takes the step just evaluated. Thresholds and pixels follow the state.
 void WindowOptimizer::accept(WindowState& state) {
   acceptEnergies(state);
-  std::swap(current_, trial_);
-  const bool looser = updateOutlierThresholds(state);
-  int drifted = 0;
-  int placed = 0;
-  for (const PointState& point : state.points) {
-    for (const PatchResidual& residual : point.residuals) {
-      placed += residual.has_pixels ? 1 : 0;
-      drifted += residual.has_pixels && residual.drift > options_.max_drift_px ? 1 : 0;
-    }
-  }
-  if (!looser && 100 * drifted <= placed) return;
-  linearizer_.placePixels(state, options_.max_drift_px);
-  linearizeAll(state, current_);
+  updateOutlierThresholds(state);
+  linearizer_.replacePixels(state, options_.max_drift_px, evaluation_);
   acceptEnergies(state);
 }
 
@@ -156,7 +140,7 @@ void WindowOptimizer::finish(WindowState& state, WindowSummary& summary) const {
   double energy = 0.0;
   for (std::size_t i = 0; i < state.points.size(); ++i) {
     PointState& point = state.points[i];
-    point.information = current_.H_depth(static_cast<Eigen::Index>(i));
+    point.information = system_.H_depth(static_cast<Eigen::Index>(i));
     for (PatchResidual& residual : point.residuals) {
       const bool good = state.isGood(residual);
       residual.bad_rounds = good ? 0 : residual.bad_rounds + 1;
@@ -191,7 +175,7 @@ WindowSummary WindowOptimizer::optimize(WindowState& state, const ScaleAnchor& a
     bool better = step(state, anchor, lambda);
     double change = 0.0;
     if (better) {
-      linearizeAll(state, trial_);
+      evaluateAll(state);
       change = costChange(state) + otherCost() - other_cost;
       better = change < 0.0;
     }
@@ -202,7 +186,13 @@ WindowSummary WindowOptimizer::optimize(WindowState& state, const ScaleAnchor& a
     }
     accept(state);
     lambda = std::max(0.1 * lambda, options_.min_lambda);
-    if (-change < options_.min_relative_decrease * photometricCost(state) || step_norm_ < options_.min_step) break;
+    const bool converged =
+        -change < options_.min_relative_decrease * photometricCost(state) || step_norm_ < options_.min_step;
+    if (converged || summary.iterations == max_iterations) {
+      linearizer_.assembleDepths(state, evaluation_, system_.H_depth);
+      break;
+    }
+    linearizer_.assemble(state, evaluation_, system_);
   }
   summary.final_cost = photometricCost(state) + otherCost();
   finish(state, summary);

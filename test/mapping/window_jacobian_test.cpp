@@ -154,25 +154,29 @@ TEST_P(WindowJacobian, HessianIsTheProductOfJacobians) {
   ASSERT_TRUE(residual.has_pixels);
   keepCentre(residual);
   PatchPath path;
-  PatchMoments moments;
+  PatchComparison comparison;
   const auto residualAt = [&](const Eigen::VectorXd& d) -> Eigen::VectorXd {
     KeyframeState moved = state.keyframe(1);
     moved.delta = d.head<8>();
     const PairGeometry p = makePairGeometry(state.keyframe(0), moved, true);
     EXPECT_TRUE(p.path->make(residual.centre.cast<double>(), 0.6 + d(8), path));
-    EXPECT_TRUE(evaluatePatch(p, path, residual, options, moments));
-    return Eigen::VectorXd::Constant(1, -static_cast<double>(moments.sums(5, 6)));  // J_b r = -r
+    EXPECT_TRUE(comparePatch(p, path, residual, options, comparison));
+    return Eigen::VectorXd::Constant(1, static_cast<double>(comparison.r[0]));
   };
   const Eigen::MatrixXd J = test::numericJacobian(residualAt, 9, 5e-3);
   ResidualSystem system;
   ASSERT_TRUE(pair.path->make(residual.centre.cast<double>(), 0.6, path));
-  ASSERT_TRUE(evaluatePatch(pair, path, residual, options, moments));
-  assembleSystem(moments, path, pair.blurred, system);
+  ASSERT_TRUE(comparePatch(pair, path, residual, options, comparison));
+  assembleSystem(comparison, path, pair.blurred, system);
   Eigen::Matrix<double, 9, 9> H;
   H << system.H, system.H_state_depth, system.H_state_depth.transpose(), system.H_depth;
   const Eigen::Matrix<double, 9, 9> expected = J.transpose() * J;
   const Eigen::Matrix<double, 9, 1> scale = expected.diagonal().cwiseSqrt().cwiseInverse();
   EXPECT_LT((scale.asDiagonal() * (H - expected) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 5e-3);
+
+  const DepthSystem depth = assembleDepth(comparison, path, pair.blurred);
+  EXPECT_NEAR(depth.H, system.H_depth, 1e-4 * system.H_depth);
+  EXPECT_NEAR(depth.b, system.b_depth, 1e-4 * std::abs(system.b_depth));
 }
 
 // Jacobians at the first estimates: the reduced system does not feel a motion of the whole window or its scale there,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "mba_vo/blur/fixed_motion_path.h"
 #include "mba_vo/blur/reblur.h"
 
 namespace mba_vo {
@@ -23,8 +24,8 @@ class CommutedBlur {
   bool referencePath(const Eigen::Vector2d& centre, double inverse_depth, PatchPath& path) const;
 
   bool blurred_;
-  PatchPathMaker to_reference_;
-  PatchPathMaker within_reference_;
+  FixedMotionPathMaker to_reference_;
+  FixedMotionPathMaker within_reference_;
 };
 
 }  // namespace mba_vo

@@ -28,9 +28,9 @@ class WindowOptimizer {
 
  private:
   struct Backup;
-  void linearizeAll(WindowState& state, LinearizedWindow& out) const;
+  void evaluateAll(WindowState& state);
   void acceptEnergies(WindowState& state) const;
-  bool updateOutlierThresholds(WindowState& state) const;
+  void updateOutlierThresholds(WindowState& state) const;
   void begin(WindowState& state);
   bool step(WindowState& state, const ScaleAnchor& anchor, double lambda);
   double costChange(const WindowState& state) const;
@@ -42,8 +42,8 @@ class WindowOptimizer {
   WindowOptimizerOptions options_;
   ReducedCameraSolver solver_;
   SchurComplement schur_;
-  LinearizedWindow current_;
-  LinearizedWindow trial_;
+  WindowEvaluation evaluation_;  // of the last state tried
+  LinearizedWindow system_;      // at the current state
   ReducedSystem reduced_;
   double step_norm_ = 0.0;
 };

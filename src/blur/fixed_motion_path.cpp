@@ -1,0 +1,104 @@
+#include "mba_vo/blur/fixed_motion_path.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr double kMinDepthRatio = 1e-3;  // as in PatchPathMaker
+
+}  // namespace
+
+/// Where a ray of the camera meets the plane z = 1 / w of the reference, w the inverse depth. With g = R r = g_z (a, b,
+/// 1) the point is w P = w p + (1 - w p_z) (a, b, 1): everything is linear in w.
+struct FixedMotionPathMaker::Hit {
+  Eigen::Vector2d pixel;            // in the reference [px]
+  Eigen::Matrix2d A;                // d pixel / d pixel of the camera
+  Eigen::Vector2d J_inverse_depth;  // [px m]
+  double a = 0.0, b = 0.0;
+  Eigen::Vector3d wP;
+};
+
+FixedMotionPathMaker::FixedMotionPathMaker(const PinholeCamera& reference_camera, const PinholeCamera& camera,
+                                           const ExposureTrajectory& trajectory)
+    : reference_camera_(reference_camera), camera_(camera), moving_(trajectory.xi().squaredNorm() > 0.0) {
+  const auto momentOf = [](const SE3& T) { return Moment{T.rotationMatrix(), T.translation()}; };
+  mid_ = momentOf(trajectory.T_reference_mid);
+  start_ = moving_ ? momentOf(trajectory.start()) : mid_;
+  end_ = moving_ ? momentOf(trajectory.end()) : mid_;
+}
+
+bool FixedMotionPathMaker::hit(const Moment& moment, const Eigen::Vector3d& ray, double inverse_depth, Hit& hit) const {
+  const Eigen::Matrix3d& R = moment.R;
+  const Eigen::Vector3d& p = moment.p;
+  const Eigen::Vector3d g = R.lazyProduct(ray);
+  if (g.z() < kMinDepthRatio) return false;
+  const double inverse_gz = 1.0 / g.z();
+  const double remaining = 1.0 - inverse_depth * p.z();  // share of the plane's depth in front of the camera
+  const double scale = remaining * inverse_gz;
+  if (scale < kMinDepthRatio) return false;
+  const double a = g.x() * inverse_gz;
+  const double b = g.y() * inverse_gz;
+  const double fx = reference_camera_.fx;
+  const double fy = reference_camera_.fy;
+  hit.a = a;
+  hit.b = b;
+  hit.wP << inverse_depth * p.x() + remaining * a, inverse_depth * p.y() + remaining * b, 1.0;
+  hit.pixel << fx * hit.wP.x() + reference_camera_.cx, fy * hit.wP.y() + reference_camera_.cy;
+  hit.J_inverse_depth << fx * (p.x() - p.z() * a), fy * (p.y() - p.z() * b);
+  const double right = scale / camera_.fx;
+  const double down = scale / camera_.fy;
+  hit.A << fx * right * (R(0, 0) - a * R(2, 0)), fx * down * (R(0, 1) - a * R(2, 1)),
+      fy * right * (R(1, 0) - b * R(2, 0)), fy * down * (R(1, 1) - b * R(2, 1));
+  return true;
+}
+
+/// For an increment (rho, phi) of the pose at mid-exposure the point moves rigidly by R_mid (rho + phi x X), X its
+/// place in that camera, and then along its ray back onto the plane: d pixel = f w [1 0 -a] R_mid (rho + phi x X).
+Matrix26 FixedMotionPathMaker::poseJacobian(const Hit& hit, double inverse_depth) const {
+  const Eigen::Matrix3d& R = mid_.R;
+  const Eigen::Vector3d wX = R.transpose().lazyProduct(hit.wP - inverse_depth * mid_.p);
+  const Eigen::Vector3d vx = reference_camera_.fx * (R.row(0) - hit.a * R.row(2)).transpose();
+  const Eigen::Vector3d vy = reference_camera_.fy * (R.row(1) - hit.b * R.row(2)).transpose();
+  Matrix26 J;
+  J << inverse_depth * vx.transpose(), wX.cross(vx).transpose(), inverse_depth * vy.transpose(),
+      wX.cross(vy).transpose();
+  return J;
+}
+
+template <bool kWithPose>
+bool FixedMotionPathMaker::makePath(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const {
+  if (inverse_depth <= 0.0) return false;
+  const Eigen::Vector3d ray = camera_.unproject(pixel);
+  Hit mid;
+  if (!hit(mid_, ray, inverse_depth, mid)) return false;
+  path.c0 = mid.pixel.cast<float>();
+  path.A0 = mid.A.cast<float>();
+  path.J_inverse_depth[0] = mid.J_inverse_depth;
+  if (kWithPose) path.J_pose[0] = poseJacobian(mid, inverse_depth);
+  if (!moving_) {
+    path.c1.setZero();
+    path.c2.setZero();
+    path.A1.setZero();
+    path.J_inverse_depth[1].setZero();
+    if (kWithPose) path.J_pose[1].setZero();
+    return true;
+  }
+  Hit start;
+  Hit end;
+  if (!hit(start_, ray, inverse_depth, start) || !hit(end_, ray, inverse_depth, end)) return false;
+  path.c1 = (end.pixel - start.pixel).cast<float>();
+  path.c2 = (2.0 * (start.pixel + end.pixel) - 4.0 * mid.pixel).cast<float>();
+  path.A1 = (end.A - start.A).cast<float>();
+  path.J_inverse_depth[1] = end.J_inverse_depth - start.J_inverse_depth;
+  if (kWithPose) path.J_pose[1] = poseJacobian(end, inverse_depth) - poseJacobian(start, inverse_depth);
+  return true;
+}
+
+bool FixedMotionPathMaker::make(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const {
+  return makePath<true>(pixel, inverse_depth, path);
+}
+
+bool FixedMotionPathMaker::makeWithoutPose(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const {
+  return makePath<false>(pixel, inverse_depth, path);
+}
+
+}  // namespace mba_vo
