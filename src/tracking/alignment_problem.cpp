@@ -192,15 +192,15 @@ void AlignmentProblem::addPriors(const AlignmentState& state, NormalEquations<kS
   equations.addPrior<6>(6, state.xi - prior_->xi, scale * prior_->xi_information);
 }
 
-NormalEquations<AlignmentProblem::kStates> AlignmentProblem::linearize(const AlignmentState& state) {
-  NormalEquations<kStates> equations;
+AlignmentProblem::Equations AlignmentProblem::linearize(const AlignmentState& state) const {
+  Equations equations;
   Sums sums;
   const PatchPathMaker maker(reference_level_.camera, frame_level_.camera, {state.T_reference_mid, state.xi, 1.0});
   for (const Patch& patch : patches_) addPatch(patch, maker, state, equations, sums);
   addPriors(state, equations);
   equations.hessian.triangularView<Eigen::StrictlyLower>() = equations.hessian.transpose();
   if (!options_.estimate_xi) equations.fix(6, 6);
-  statistics_ = sums.statistics();
+  equations.statistics = sums.statistics();
   return equations;
 }
 

@@ -59,15 +59,16 @@ class AlignmentProblem {
                    const PatchPattern& pattern, const AlignmentOptions& options,
                    const std::optional<AlignmentPrior>& prior, const AlignmentState& initial);
 
-  NormalEquations<kStates> linearize(const AlignmentState& state);
+  struct Equations : NormalEquations<kStates> {
+    AlignmentStatistics statistics;
+  };
+  Equations linearize(const AlignmentState& state) const;
   bool refresh(const AlignmentState& state);
   static AlignmentState plus(const AlignmentState& state, const Step& step);
   /// About how far the step moves the image [px on this level].
   double stepSize(const Step& step) const;
 
   int patches() const { return static_cast<int>(patches_.size()); }
-  /// Of the last call of linearize.
-  const AlignmentStatistics& statistics() const { return statistics_; }
   double medianInverseDepth() const { return median_inverse_depth_; }
 
  private:
@@ -96,7 +97,6 @@ class AlignmentProblem {
   std::vector<Patch> patches_;
   SE3 T_selected_;  // mid pose at which the patches were chosen
   double median_inverse_depth_ = 1.0;
-  AlignmentStatistics statistics_;
 };
 
 }  // namespace mba_vo
