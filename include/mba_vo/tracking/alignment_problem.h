@@ -13,6 +13,8 @@
 
 namespace mba_vo {
 
+class QuadraticModel;
+
 /// What alignment estimates: mid pose, motion within the exposure, brightness of the frame relative to the reference
 /// (frame = exp(a) reference + b).
 struct AlignmentState {
@@ -82,8 +84,8 @@ class AlignmentProblem {
 
   void selectPatches(const AlignmentState& state);
   std::optional<Eigen::Vector2d> projectPoint(const ReferencePoint& point, const SE3& T_frame_reference) const;
-  void addPatch(const Patch& patch, const PatchPathMaker& maker, const AlignmentState& state,
-                NormalEquations<kStates>& equations, Sums& sums) const;
+  void addPatch(const Patch& patch, const PatchPathMaker& maker, const AlignmentState& state, QuadraticModel& model,
+                Sums& sums) const;
   void addPriors(const AlignmentState& state, NormalEquations<kStates>& equations) const;
 
   const Reference& reference_;
