@@ -23,15 +23,6 @@ constexpr double kImplausibleBlur = 0.25;    // of the image's width
 constexpr double kImplausibleLogGain = 1.6;  // contrast five times higher or lower than the reference's
 constexpr double kCorrelatedPixels = 20.0;   // pixels per independent observation: model errors are shared in a patch
 
-/// When the search on a level ends: the last step [px of the level] and what it gains relative to the cost. What a
-/// coarse level leaves, the next one finds in its first step.
-struct Precision {
-  double step;
-  double decrease;
-};
-constexpr Precision kFinest = {5e-3, 3e-4};
-constexpr Precision kCoarser = {0.03, 3e-4};
-
 /// Coarse levels see less detail per patch, and 9x9 pixels there span too much depth.
 int patchSide(int level) { return level <= 1 ? 9 : 7; }
 
@@ -113,11 +104,9 @@ Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentSt
   options.estimate_xi = job.guess.trajectory.exposure > 0.0;
   AlignmentProblem problem(job.reference, job.points[static_cast<std::size_t>(level)], job.frame, level, pattern,
                            options, priorFor(job, initial), initial);
-  const Precision& precision = level == 0 ? kFinest : kCoarser;
   LevenbergMarquardtOptions lm;
   lm.max_iterations = max_iterations;
-  lm.min_step = precision.step;
-  lm.relative_decrease = lm.promised_decrease = precision.decrease;
+  lm.promised_decrease = lm.relative_decrease;
   return {minimize(problem, initial, lm), problem.patches()};
 }
 
