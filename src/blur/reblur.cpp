@@ -31,19 +31,6 @@ Placement placementAt(const PatchPath& path, float u) {
   return {c.x(), c.y(), A(0, 0), A(0, 1), A(1, 0), A(1, 1), u};
 }
 
-/// Sums over the samples of one block of pixels; small enough to stay in registers.
-template <int Lanes>
-struct BlockSums {
-  alignas(64) float value[Lanes] = {};
-  alignas(64) float gx[Lanes] = {};
-  alignas(64) float gy[Lanes] = {};
-  alignas(64) float ugx[Lanes] = {};
-  alignas(64) float ugy[Lanes] = {};
-  alignas(64) float uugx[Lanes] = {};
-  alignas(64) float uugy[Lanes] = {};
-  alignas(64) float outside[Lanes] = {};
-};
-
 struct ImageView {
   const float* data;
   int stride;
@@ -51,12 +38,21 @@ struct ImageView {
   float max_y;
 };
 
-/// Sums all samples of the `Lanes` pixels whose offsets begin at dx, dy. Inlined into each of the versions below.
+/// Means over all samples of the `Lanes` pixels whose offsets begin at dx, dy. Inlined into each of the versions below.
 template <int Lanes>
-[[gnu::always_inline]] inline void sumLanes(const ImageView& image, const Placement* placements, int samples,
-                                            const float* __restrict dx, const float* __restrict dy,
-                                            BlockSums<Lanes>& __restrict out) {
-  BlockSums<Lanes> sum;
+[[gnu::always_inline]] inline void averageLanes(const ImageView& image, const Placement* placements, int samples,
+                                                const Offsets& offsets, int first, ReblurredPatch& __restrict out) {
+  const float* __restrict dx = offsets.dx + first;
+  const float* __restrict dy = offsets.dy + first;
+  // One array each, not a struct of them: so they stay in registers.
+  alignas(64) float value[Lanes] = {};
+  alignas(64) float sum_gx[Lanes] = {};
+  alignas(64) float sum_gy[Lanes] = {};
+  alignas(64) float sum_ugx[Lanes] = {};
+  alignas(64) float sum_ugy[Lanes] = {};
+  alignas(64) float sum_uugx[Lanes] = {};
+  alignas(64) float sum_uugy[Lanes] = {};
+  alignas(64) float outside[Lanes] = {};
   const float* __restrict data = image.data;
   for (int i = 0; i < samples; ++i) {
     const Placement at = placements[i];
@@ -71,7 +67,7 @@ template <int Lanes>
       const float y_low = y > 0.0F ? y : 0.0F;
       const float x_in = x_low < image.max_x ? x_low : image.max_x;
       const float y_in = y_low < image.max_y ? y_low : image.max_y;
-      sum.outside[k] += std::abs(x - x_in) + std::abs(y - y_in);
+      outside[k] += std::abs(x - x_in) + std::abs(y - y_in);
       const int ix = static_cast<int>(x_in);
       const int iy = static_cast<int>(y_in);
       fx[k] = x_in - static_cast<float>(ix);
@@ -94,28 +90,43 @@ template <int Lanes>
       const float top = i00[k] + fx[k] * upper;
       const float gx = upper + fy[k] * (lower - upper);
       const float gy = i01[k] + fx[k] * lower - top;
-      sum.value[k] += top + fy[k] * gy;
-      sum.gx[k] += gx;
-      sum.gy[k] += gy;
-      sum.ugx[k] += u * gx;
-      sum.ugy[k] += u * gy;
-      sum.uugx[k] += uu * gx;
-      sum.uugy[k] += uu * gy;
+      value[k] += top + fy[k] * gy;
+      sum_gx[k] += gx;
+      sum_gy[k] += gy;
+      sum_ugx[k] += u * gx;
+      sum_ugy[k] += u * gy;
+      sum_uugx[k] += uu * gx;
+      sum_uugy[k] += uu * gy;
     }
   }
-  out = sum;
+  const float scale = 1.0F / static_cast<float>(samples);
+  const auto write = [&](const float* sum, std::array<float, kMaxPatchPixels>& mean) {
+    for (int k = 0; k < Lanes; ++k) mean[static_cast<std::size_t>(first + k)] = scale * sum[k];
+  };
+  for (int k = 0; k < Lanes; ++k) {
+    const float mean = scale * value[k];
+    out.value[static_cast<std::size_t>(first + k)] = outside[k] > 0.0F ? kNaN : mean;
+  }
+  write(sum_gx, out.gx);
+  write(sum_gy, out.gy);
+  write(sum_ugx, out.ugx);
+  write(sum_ugy, out.ugy);
+  write(sum_uugx, out.uugx);
+  write(sum_uugy, out.uugy);
 }
 
 MBA_VO_MULTIVERSION
-void sumBlock(const ImageView& image, const Placement* placements, int samples, const float* __restrict dx,
-              const float* __restrict dy, BlockSums<kLanes>& __restrict out) {
-  sumLanes<kLanes>(image, placements, samples, dx, dy, out);
+void averageBlocks(const ImageView& image, const Placement* placements, int samples, const Offsets& offsets, int count,
+                   ReblurredPatch& __restrict out) {
+  for (int first = 0; first < count; first += kLanes) {
+    averageLanes<kLanes>(image, placements, samples, offsets, first, out);
+  }
 }
 
 MBA_VO_MULTIVERSION
-void sumFew(const ImageView& image, const Placement* placements, int samples, const float* __restrict dx,
-            const float* __restrict dy, BlockSums<kFewLanes>& __restrict out) {
-  sumLanes<kFewLanes>(image, placements, samples, dx, dy, out);
+void averageFew(const ImageView& image, const Placement* placements, int samples, const Offsets& offsets,
+                ReblurredPatch& __restrict out) {
+  averageLanes<kFewLanes>(image, placements, samples, offsets, 0, out);
 }
 
 int roundUp(int n) { return (n + kLanes - 1) / kLanes * kLanes; }
@@ -128,21 +139,6 @@ Offsets makeOffsets(const PatchPattern& pattern, int count) {
     offsets.dy[k] = static_cast<float>(pattern.dy[i]);
   }
   return offsets;
-}
-
-template <int Lanes>
-void writeMeans(const BlockSums<Lanes>& sum, int first, int samples, ReblurredPatch& out) {
-  const float scale = 1.0F / static_cast<float>(samples);
-  for (int k = 0; k < Lanes; ++k) {
-    const auto i = static_cast<std::size_t>(first + k);
-    out.value[i] = sum.outside[k] > 0.0F ? kNaN : scale * sum.value[k];
-    out.gx[i] = scale * sum.gx[k];
-    out.gy[i] = scale * sum.gy[k];
-    out.ugx[i] = scale * sum.ugx[k];
-    out.ugy[i] = scale * sum.ugy[k];
-    out.uugx[i] = scale * sum.uugx[k];
-    out.uugy[i] = scale * sum.uugy[k];
-  }
 }
 
 }  // namespace
@@ -190,15 +186,9 @@ void reblurPatch(const ImageLevel& reference, const PatchPath& path, const Patch
                         static_cast<float>(reference.intensity.cols) - 1.001F,
                         static_cast<float>(reference.intensity.rows) - 1.001F};
   if (pattern.size <= kFewLanes) {
-    BlockSums<kFewLanes> sum;
-    sumFew(image, placements.data(), n, offsets.dx, offsets.dy, sum);
-    writeMeans(sum, 0, n, out);
-    return;
-  }
-  for (int first = 0; first < count; first += kLanes) {
-    BlockSums<kLanes> sum;
-    sumBlock(image, placements.data(), n, offsets.dx + first, offsets.dy + first, sum);
-    writeMeans(sum, first, n, out);
+    averageFew(image, placements.data(), n, offsets, out);
+  } else {
+    averageBlocks(image, placements.data(), n, offsets, count, out);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "mba_vo/blur/commuted_blur.h"
 #include "mba_vo/tracking/patch_sums.h"
+#include "mba_vo/tracking/quadratic_model.h"
 
 namespace mba_vo {
 namespace {
@@ -12,41 +13,6 @@ namespace {
 constexpr double kReselectShift = 1.0;  // [px] mean motion of the points after which the patches are chosen anew
 constexpr double kBrightnessGainSigma = 1.0;
 constexpr double kBrightnessOffsetSigma = 50.0;  // [grey levels]
-
-/// Adds the quadratic model of one patch. Residual = B - (e^a Bhat + b), so its Jacobian is minus the moments times
-/// these: J_pose on the moments gx..ugy, J_xi on ugx..uugy, both times the gain; the gain itself for a, one for b.
-void addToEquations(const PatchSums& sums, const PatchPath& path, double gain, bool moving,
-                    NormalEquations<AlignmentProblem::kStates>& equations) {
-  const Eigen::Vector2d brightness(gain, 1.0);
-  const Eigen::Matrix2d brightness_moments =
-      brightness.asDiagonal() * sums.moments.bottomRightCorner<2, 2>() * brightness.asDiagonal();
-  equations.hessian.bottomRightCorner<2, 2>() += brightness_moments;
-  equations.gradient.tail<2>() -= brightness.cwiseProduct(sums.residuals.tail<2>());
-  if (!moving) {
-    const Matrix26 J = gain * path.J_pose[0];
-    const Eigen::Matrix<double, 6, 2> Jt_M = J.transpose().lazyProduct(sums.moments.topLeftCorner<2, 2>());
-    equations.hessian.topLeftCorner<6, 6>() += Jt_M.lazyProduct(J);
-    equations.hessian.topRightCorner<6, 2>() +=
-        J.transpose().lazyProduct(sums.moments.block<2, 2>(0, 6)) * brightness.asDiagonal();
-    equations.gradient.head<6>() -= J.transpose().lazyProduct(sums.residuals.head<2>());
-    return;
-  }
-  Eigen::Matrix<double, 4, 6> J_pose, J_xi;
-  J_pose << gain * path.J_pose[0], gain * path.J_pose[1];
-  J_xi << gain * path.J_xi[0], gain * path.J_xi[1];
-  const Eigen::Matrix<double, 6, 4> pose_M = J_pose.transpose().lazyProduct(sums.moments.block<4, 4>(0, 0));
-  const Eigen::Matrix<double, 6, 4> pose_M_xi = J_pose.transpose().lazyProduct(sums.moments.block<4, 4>(0, 2));
-  const Eigen::Matrix<double, 6, 4> xi_M = J_xi.transpose().lazyProduct(sums.moments.block<4, 4>(2, 2));
-  equations.hessian.block<6, 6>(0, 0) += pose_M.lazyProduct(J_pose);
-  equations.hessian.block<6, 6>(0, 6) += pose_M_xi.lazyProduct(J_xi);
-  equations.hessian.block<6, 6>(6, 6) += xi_M.lazyProduct(J_xi);
-  equations.hessian.block<6, 2>(0, 12) +=
-      J_pose.transpose().lazyProduct(sums.moments.block<4, 2>(0, 6)) * brightness.asDiagonal();
-  equations.hessian.block<6, 2>(6, 12) +=
-      J_xi.transpose().lazyProduct(sums.moments.block<4, 2>(2, 6)) * brightness.asDiagonal();
-  equations.gradient.segment<6>(0) -= J_pose.transpose().lazyProduct(sums.residuals.segment<4>(0));
-  equations.gradient.segment<6>(6) -= J_xi.transpose().lazyProduct(sums.residuals.segment<4>(2));
-}
 
 }  // namespace
 
@@ -151,7 +117,7 @@ double AlignmentProblem::stepSize(const Step& step) const {
 }
 
 void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker, const AlignmentState& state,
-                                NormalEquations<kStates>& equations, Sums& sums) const {
+                                QuadraticModel& model, Sums& sums) const {
   const int size = pattern_.size;
   const bool moving = options_.estimate_xi;
   sums.expect(size);
@@ -159,7 +125,7 @@ void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker,
   const double cost_of_leaving = loss_.cost(loss_.threshold());
   PatchPath path;
   if (!maker.make(patch.centre, patch.inverse_depth, path)) {
-    equations.cost += size * cost_of_leaving;
+    model.cost += size * cost_of_leaving;
     return;
   }
   ReblurredPatch predicted;
@@ -176,8 +142,8 @@ void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker,
   weighting.depth_y = sigma * static_cast<float>(path.J_inverse_depth[0].y());
   const PatchSums patch_sums = sumPatch(predicted, patch.intensity, size, moving, weighting);
   sums.add(patch_sums);
-  equations.cost += patch_sums.cost;
-  if (patch_sums.pixels > 0) addToEquations(patch_sums, path, weighting.gain, moving, equations);
+  if (patch_sums.pixels > 0) model.add(patch_sums, path, weighting.gain, moving);
+  model.cost += patch_sums.cost;
 }
 
 void AlignmentProblem::addPriors(const AlignmentState& state, NormalEquations<kStates>& equations) const {
@@ -192,15 +158,16 @@ void AlignmentProblem::addPriors(const AlignmentState& state, NormalEquations<kS
   equations.addPrior<6>(6, state.xi - prior_->xi, scale * prior_->xi_information);
 }
 
-NormalEquations<AlignmentProblem::kStates> AlignmentProblem::linearize(const AlignmentState& state) {
-  NormalEquations<kStates> equations;
+AlignmentProblem::Equations AlignmentProblem::linearize(const AlignmentState& state) const {
+  QuadraticModel model;
   Sums sums;
   const PatchPathMaker maker(reference_level_.camera, frame_level_.camera, {state.T_reference_mid, state.xi, 1.0});
-  for (const Patch& patch : patches_) addPatch(patch, maker, state, equations, sums);
+  for (const Patch& patch : patches_) addPatch(patch, maker, state, model, sums);
+  Equations equations;
+  model.copyTo(equations);
   addPriors(state, equations);
-  equations.hessian.triangularView<Eigen::StrictlyLower>() = equations.hessian.transpose();
   if (!options_.estimate_xi) equations.fix(6, 6);
-  statistics_ = sums.statistics();
+  equations.statistics = sums.statistics();
   return equations;
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kStartIterations = 6;          // spent on each alternative start on the coarsest level
 constexpr std::size_t kFinerStarts = 3;      // compared again on the next level
-constexpr double kSameBasin = 2.0;           // [px] results nearer than this are one
+constexpr double kSameBasin = 0.25;          // [px of the coarsest level] results nearer than this are one
 constexpr double kLeastBlurToSeed = 0.5;     // [px] shorter motion gives no direction to descend along
 constexpr double kObservableBlur = 3.0;      // [px] below it the covariance of xi means nothing
 constexpr double kImplausibleBlur = 0.25;    // of the image's width
@@ -52,57 +52,73 @@ double medianInverseDepth(const Reference& reference) {
 
 }  // namespace
 
+/// What stays the same during one call of track().
+struct Tracker::Job {
+  Job(const Reference& r, const Frame& f, const TrackingGuess& g, int levels, int max_points)
+      : reference(r), frame(f), guess(g), median_depth(1.0 / medianInverseDepth(r)) {
+    for (int level = 0; level < levels; ++level) {
+      points.push_back(selectEvenSubset(r, level, patchSide(level), max_points));
+    }
+  }
+
+  const Reference& reference;
+  const Frame& frame;
+  const TrackingGuess& guess;
+  double median_depth;                   // [m]
+  std::vector<std::vector<int>> points;  // to be aligned, by level
+
+  /// Rotation between two states, as the image sees it [px of the finest level].
+  double turn(const AlignmentState& l, const AlignmentState& r) const {
+    const SE3 between = l.T_reference_mid.inverse() * r.T_reference_mid;
+    return reference.pyramid->level(0).camera.fx * between.log().tail<3>().norm();
+  }
+};
+
 struct Tracker::LevelResult {
-  LevenbergMarquardtSummary<AlignmentState, AlignmentProblem::kStates> minimum;
-  AlignmentStatistics statistics;
+  LevenbergMarquardtSummary<AlignmentState, AlignmentProblem::Equations> minimum;
   int patches = 0;
   double meanCost() const { return patches > 0 ? minimum.equations.cost / patches : 1e30; }
 };
 
-std::optional<AlignmentPrior> Tracker::priorFor(const Reference& reference, const TrackingGuess& guess,
-                                                const AlignmentState& state) const {
-  if (!guess.motion || guess.motion->dt == 0.0) return std::nullopt;
-  const double depth = 1.0 / medianInverseDepth(reference);
-  const double exposure = guess.trajectory.exposure;
+std::optional<AlignmentPrior> Tracker::priorFor(const Job& job, const AlignmentState& state) const {
+  const auto& motion = job.guess.motion;
+  if (!motion || motion->dt == 0.0) return std::nullopt;
+  const double exposure = job.guess.trajectory.exposure;
   AlignmentPrior prior;
-  prior.T_reference_mid = guess.motion->predict(exposure).T_reference_mid;
-  prior.pose_information = guess.motion->poseInformation(config_.motion_prior, depth);
+  prior.T_reference_mid = motion->predict(exposure).T_reference_mid;
+  prior.pose_information = motion->poseInformation(config_.motion_prior, job.median_depth);
   if (exposure > 0.0) {
-    prior.xi = guess.motion->expectedXi(state.T_reference_mid, exposure);
-    prior.xi_information = guess.motion->xiInformation(config_.motion_prior, depth, exposure);
+    prior.xi = motion->expectedXi(state.T_reference_mid, exposure);
+    prior.xi_information = motion->xiInformation(config_.motion_prior, job.median_depth, exposure);
   }
   return prior;
 }
 
-Tracker::LevelResult Tracker::align(const Reference& reference, const Frame& frame, const TrackingGuess& guess,
-                                    int level, const AlignmentState& initial, int max_iterations) const {
-  const int side = patchSide(level);
-  const PatchPattern pattern = PatchPattern::square(side);
-  const std::vector<int> points = selectEvenSubset(reference, level, side, config_.max_points);
+Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentState& initial,
+                                    int max_iterations) const {
+  const PatchPattern pattern = PatchPattern::square(patchSide(level));
   AlignmentOptions options;
   options.huber_threshold = config_.huber_threshold;
   options.sample_spacing_px = config_.sample_spacing_px;
   options.max_samples = config_.max_samples;
-  options.estimate_xi = guess.trajectory.exposure > 0.0;
-  AlignmentProblem problem(reference, points, frame, level, pattern, options, priorFor(reference, guess, initial),
-                           initial);
+  options.estimate_xi = job.guess.trajectory.exposure > 0.0;
+  AlignmentProblem problem(job.reference, job.points[static_cast<std::size_t>(level)], job.frame, level, pattern,
+                           options, priorFor(job, initial), initial);
   LevenbergMarquardtOptions lm;
   lm.max_iterations = max_iterations;
-  LevelResult result{minimize(problem, initial, lm), {}, 0};
-  problem.linearize(result.minimum.state);
-  result.statistics = problem.statistics();
-  result.patches = problem.patches();
-  return result;
+  lm.promised_decrease = lm.relative_decrease;
+  return {minimize(problem, initial, lm), problem.patches()};
 }
 
-std::vector<AlignmentState> Tracker::starts(const Reference& reference, const TrackingGuess& guess) const {
-  const double fx = reference.pyramid->level(0).camera.fx;
+std::vector<AlignmentState> Tracker::starts(const Job& job) const {
+  const TrackingGuess& guess = job.guess;
+  const double fx = job.reference.pyramid->level(0).camera.fx;
   const double exposure = guess.trajectory.exposure;
   AlignmentState first;
   first.T_reference_mid = guess.trajectory.T_reference_mid;
   first.xi = exposure > 0.0 ? seededXi(guess.trajectory.xi(), fx) : Vector6::Zero();
-  first.a = guess.brightness.a - reference.brightness.a;
-  first.b = guess.brightness.b - std::exp(first.a) * reference.brightness.b;
+  first.a = guess.brightness.a - job.reference.brightness.a;
+  first.b = guess.brightness.b - std::exp(first.a) * job.reference.brightness.b;
   std::vector<AlignmentState> starts = {first};
   if (!guess.motion || guess.motion->dt == 0.0) return starts;
   for (const SE3& pose : guess.motion->alternatives()) {
@@ -114,40 +130,39 @@ std::vector<AlignmentState> Tracker::starts(const Reference& reference, const Tr
   return starts;
 }
 
-AlignmentState Tracker::bestStart(const Reference& reference, const Frame& frame, const TrackingGuess& guess,
-                                  int level) const {
+AlignmentState Tracker::bestStart(const Job& job, int level) const {
   std::vector<LevelResult> coarse;
-  for (const AlignmentState& start : starts(reference, guess)) {
-    coarse.push_back(align(reference, frame, guess, level, start, kStartIterations));
-  }
-  // The coarsest level tells little: the best few are compared again one level finer, if they differ there.
-  std::sort(coarse.begin(), coarse.end(), [](const auto& l, const auto& r) { return l.meanCost() < r.meanCost(); });
-  const double fx = reference.pyramid->level(0).camera.fx;
-  std::vector<LevelResult> finer;
-  for (const LevelResult& candidate : coarse) {
-    if (finer.size() >= kFinerStarts || candidate.patches < coarse.front().patches / 2) continue;
-    LevelResult result =
-        align(reference, frame, guess, std::max(level - 1, 0), candidate.minimum.state, kStartIterations);
-    const auto same = [&](const LevelResult& other) {
-      const SE3 between = other.minimum.state.T_reference_mid.inverse() * result.minimum.state.T_reference_mid;
-      return fx * between.log().tail<3>().norm() < kSameBasin;
-    };
-    if (std::none_of(finer.begin(), finer.end(), same)) finer.push_back(result);
-  }
+  for (const AlignmentState& start : starts(job)) coarse.push_back(align(job, level, start, kStartIterations));
   const auto better = [](const auto& l, const auto& r) { return l.meanCost() < r.meanCost(); };
+  std::sort(coarse.begin(), coarse.end(), better);
+  // The coarsest level tells little: the best few that differ there are compared again one level finer.
+  const double same_basin = kSameBasin * (1 << level);
+  std::vector<const LevelResult*> candidates;
+  for (const LevelResult& result : coarse) {
+    if (candidates.size() >= kFinerStarts) break;
+    if (result.patches < coarse.front().patches / 2) continue;
+    const auto same = [&](const LevelResult* other) {
+      return job.turn(other->minimum.state, result.minimum.state) < same_basin;
+    };
+    if (std::none_of(candidates.begin(), candidates.end(), same)) candidates.push_back(&result);
+  }
+  if (candidates.size() == 1) return candidates.front()->minimum.state;
+  std::vector<LevelResult> finer;
+  for (const LevelResult* candidate : candidates) {
+    finer.push_back(align(job, std::max(level - 1, 0), candidate->minimum.state, kStartIterations));
+  }
   return std::min_element(finer.begin(), finer.end(), better)->minimum.state;
 }
 
-Tracker::LevelResult Tracker::preferExpectedDirection(const Reference& reference, const Frame& frame,
-                                                      const TrackingGuess& guess, LevelResult result) const {
+Tracker::LevelResult Tracker::preferExpectedDirection(const Job& job, const LevelResult& result) const {
   // The blurred image hardly tells xi from -xi; continuity with the previous frame does.
-  const auto prior = priorFor(reference, guess, result.minimum.state);
-  if (!prior || guess.trajectory.exposure <= 0.0) return result;
+  const auto prior = priorFor(job, result.minimum.state);
+  if (!prior || job.guess.trajectory.exposure <= 0.0) return result;
   const Vector6& xi = result.minimum.state.xi;
   if (xi.dot(prior->xi_information.cwiseProduct(prior->xi)) >= 0.0) return result;
   AlignmentState reversed = result.minimum.state;
   reversed.xi = -xi;
-  const LevelResult other = align(reference, frame, guess, 0, reversed, config_.max_iterations);
+  const LevelResult other = align(job, 0, reversed, config_.max_iterations);
   const bool same_data = other.patches >= result.patches - result.patches / 20;
   return same_data && other.meanCost() < result.meanCost() ? other : result;
 }
@@ -176,13 +191,14 @@ void Tracker::judge(double log_gain, TrackedFrame& tracked) const {
 TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& frame, const TrackingGuess& guess) const {
   const auto begin = std::chrono::steady_clock::now();
   const int levels = std::min({config_.pyramid_levels, reference.pyramid->levels(), frame->pyramid.levels()});
-  AlignmentState state = bestStart(reference, *frame, guess, levels - 1);
+  const Job job(reference, *frame, guess, levels, config_.max_points);
+  AlignmentState state = bestStart(job, levels - 1);
   LevelResult result{};
   for (int level = std::max(levels - 2, 0); level >= 0; --level) {
-    result = align(reference, *frame, guess, level, state, config_.max_iterations);
+    result = align(job, level, state, config_.max_iterations);
     state = result.minimum.state;
   }
-  result = preferExpectedDirection(reference, *frame, guess, result);
+  result = preferExpectedDirection(job, result);
   state = result.minimum.state;
 
   TrackedFrame tracked;
@@ -193,9 +209,10 @@ TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& fra
                         exposure > 0.0 ? Vector6(state.xi / exposure) : guess.trajectory.velocity, exposure};
   tracked.brightness.a = reference.brightness.a + state.a;
   tracked.brightness.b = state.b + std::exp(state.a) * reference.brightness.b;
-  tracked.points_used = result.statistics.patches;
-  tracked.residual_rms = result.statistics.weighted_rms;
-  tracked.inlier_fraction = result.statistics.inlier_fraction;
+  const AlignmentStatistics& statistics = result.minimum.equations.statistics;
+  tracked.points_used = statistics.patches;
+  tracked.residual_rms = statistics.weighted_rms;
+  tracked.inlier_fraction = statistics.inlier_fraction;
   tracked.measures = measureFrame(reference, tracked.trajectory);
   tracked.xi_prior_limited = tracked.measures.blur_length_px < kObservableBlur;
   const double variance = kCorrelatedPixels * tracked.residual_rms * tracked.residual_rms;

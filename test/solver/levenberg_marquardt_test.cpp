@@ -53,6 +53,17 @@ TEST(LevenbergMarquardt, NeverAcceptsAHigherCost) {
   }
 }
 
+TEST(LevenbergMarquardt, StepsThatPromiseLittleAreNotTried) {
+  Valley valley;
+  LevenbergMarquardtOptions options = precise();
+  const Eigen::Vector2d nearly(1.001, 1.002);
+  ASSERT_GT(minimize(valley, nearly, options).accepted, 0);
+  options.promised_decrease = 2.0;  // more than there is
+  const auto summary = minimize(valley, nearly, options);
+  EXPECT_EQ(summary.iterations, 1);
+  EXPECT_EQ(summary.state, nearly);
+}
+
 TEST(NormalEquations, FixedStatesDoNotMove) {
   NormalEquations<3> equations;
   equations.hessian << 4, 1, 1, 1, 3, 0.5, 1, 0.5, 2;

@@ -55,10 +55,11 @@ class PatchPathMaker {
   struct Moment {
     Eigen::Matrix3d R;
     Eigen::Vector3d p;
-    Matrix6 pose_factor;  // Ad(Exp(-u xi))
-    Matrix6 xi_factor;    // J_r(u xi)
+    Matrix6 xi_factor;  // J_r(u xi)
   };
   static Moment momentAt(const ExposureTrajectory& trajectory, double u);
+  /// d pixel / d right increment of T_mid, which carries the whole trajectory and so the point P with it.
+  Matrix26 midPoseJacobian(const Eigen::Matrix<double, 2, 3>& J_shift, const Eigen::Vector3d& P) const;
 
   PinholeCamera reference_camera_;
   PinholeCamera camera_;

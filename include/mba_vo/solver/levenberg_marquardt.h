@@ -13,28 +13,31 @@ struct LevenbergMarquardtOptions {
   double damping_decrease = 0.2;
   double damping_increase = 8.0;
   double relative_decrease = 1e-4;  // of the cost; an accepted step below it ends the search
+  double promised_decrease = 0.0;   // of the cost by the quadratic model; a step below it ends the search
   double min_step = 5e-3;           // in the measure of Problem::stepSize; a smaller step ends the search
 };
 
-template <typename State, int N>
+/// `Equations`: what Problem::linearize returns, NormalEquations or derived from them.
+template <typename State, typename Equations>
 struct LevenbergMarquardtSummary {
   State state;
-  NormalEquations<N> equations;  // at `state`, undamped
-  int iterations = 0;            // evaluations of the problem
+  Equations equations;  // at `state`, undamped
+  int iterations = 0;   // evaluations of the problem
   int accepted = 0;
 };
 
 /// Minimises a robust cost. `Problem` provides
-///   static constexpr int kStates;
-///   NormalEquations<kStates> linearize(const State&)        the cost and its quadratic model on a fixed set of data
-///   bool refresh(const State&)                              chooses the data anew if the state moved far; true if it
-///   did State plus(const State&, const Matrix<kStates, 1>&)     the state after a step double stepSize(const
-///   Matrix<kStates, 1>&)              size of a step, in the unit of min_step
+/// - static constexpr int kStates;
+/// - NormalEquations<kStates> linearize(const State&), or a type derived from that: the cost and its quadratic model on
+///   a fixed set of data;
+/// - bool refresh(const State&): chooses the data anew if the state moved far; true if it did;
+/// - State plus(const State&, const Matrix<kStates, 1>&): the state after a step;
+/// - double stepSize(const Matrix<kStates, 1>&): size of a step, in the unit of min_step.
 /// A step is judged on the same data that it was computed from.
 template <typename State, typename Problem>
-LevenbergMarquardtSummary<State, Problem::kStates> minimize(Problem& problem, const State& initial,
-                                                            const LevenbergMarquardtOptions& options) {
-  LevenbergMarquardtSummary<State, Problem::kStates> summary{initial, problem.linearize(initial), 1, 0};
+auto minimize(Problem& problem, const State& initial, const LevenbergMarquardtOptions& options) {
+  LevenbergMarquardtSummary<State, decltype(problem.linearize(initial))> summary{initial, problem.linearize(initial), 1,
+                                                                                 0};
   double damping = options.initial_damping;
   int rejections = 0;
   while (summary.iterations < options.max_iterations && rejections < options.max_rejections) {
@@ -47,6 +50,9 @@ LevenbergMarquardtSummary<State, Problem::kStates> minimize(Problem& problem, co
       continue;
     }
     if (problem.stepSize(step) < options.min_step) break;
+    // Near the minimum the noise of the cost is larger than what is left to gain: trying would only be rejected.
+    const double promised = -step.dot(summary.equations.gradient + 0.5 * summary.equations.hessian * step);
+    if (promised < options.promised_decrease * summary.equations.cost) break;
     const State candidate = problem.plus(summary.state, step);
     const auto equations = problem.linearize(candidate);
     ++summary.iterations;

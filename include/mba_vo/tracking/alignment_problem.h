@@ -13,6 +13,8 @@
 
 namespace mba_vo {
 
+class QuadraticModel;
+
 /// What alignment estimates: mid pose, motion within the exposure, brightness of the frame relative to the reference
 /// (frame = exp(a) reference + b).
 struct AlignmentState {
@@ -59,15 +61,16 @@ class AlignmentProblem {
                    const PatchPattern& pattern, const AlignmentOptions& options,
                    const std::optional<AlignmentPrior>& prior, const AlignmentState& initial);
 
-  NormalEquations<kStates> linearize(const AlignmentState& state);
+  struct Equations : NormalEquations<kStates> {
+    AlignmentStatistics statistics;
+  };
+  Equations linearize(const AlignmentState& state) const;
   bool refresh(const AlignmentState& state);
   static AlignmentState plus(const AlignmentState& state, const Step& step);
   /// About how far the step moves the image [px on this level].
   double stepSize(const Step& step) const;
 
   int patches() const { return static_cast<int>(patches_.size()); }
-  /// Of the last call of linearize.
-  const AlignmentStatistics& statistics() const { return statistics_; }
   double medianInverseDepth() const { return median_inverse_depth_; }
 
  private:
@@ -81,8 +84,8 @@ class AlignmentProblem {
 
   void selectPatches(const AlignmentState& state);
   std::optional<Eigen::Vector2d> projectPoint(const ReferencePoint& point, const SE3& T_frame_reference) const;
-  void addPatch(const Patch& patch, const PatchPathMaker& maker, const AlignmentState& state,
-                NormalEquations<kStates>& equations, Sums& sums) const;
+  void addPatch(const Patch& patch, const PatchPathMaker& maker, const AlignmentState& state, QuadraticModel& model,
+                Sums& sums) const;
   void addPriors(const AlignmentState& state, NormalEquations<kStates>& equations) const;
 
   const Reference& reference_;
@@ -96,7 +99,6 @@ class AlignmentProblem {
   std::vector<Patch> patches_;
   SE3 T_selected_;  // mid pose at which the patches were chosen
   double median_inverse_depth_ = 1.0;
-  AlignmentStatistics statistics_;
 };
 
 }  // namespace mba_vo

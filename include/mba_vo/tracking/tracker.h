@@ -59,15 +59,13 @@ class Tracker {
   TrackedFrame track(const Reference& reference, const FrameConstPtr& frame, const TrackingGuess& guess) const;
 
  private:
+  struct Job;
   struct LevelResult;
-  std::vector<AlignmentState> starts(const Reference& reference, const TrackingGuess& guess) const;
-  AlignmentState bestStart(const Reference& reference, const Frame& frame, const TrackingGuess& guess, int level) const;
-  LevelResult align(const Reference& reference, const Frame& frame, const TrackingGuess& guess, int level,
-                    const AlignmentState& initial, int max_iterations) const;
-  LevelResult preferExpectedDirection(const Reference& reference, const Frame& frame, const TrackingGuess& guess,
-                                      LevelResult result) const;
-  std::optional<AlignmentPrior> priorFor(const Reference& reference, const TrackingGuess& guess,
-                                         const AlignmentState& state) const;
+  std::vector<AlignmentState> starts(const Job& job) const;
+  AlignmentState bestStart(const Job& job, int level) const;
+  LevelResult align(const Job& job, int level, const AlignmentState& initial, int max_iterations) const;
+  LevelResult preferExpectedDirection(const Job& job, const LevelResult& result) const;
+  std::optional<AlignmentPrior> priorFor(const Job& job, const AlignmentState& state) const;
   void judge(double log_gain, TrackedFrame& tracked) const;
 
   TrackerConfig config_;

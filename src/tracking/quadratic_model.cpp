@@ -1,0 +1,109 @@
+#include "mba_vo/tracking/quadratic_model.h"
+
+#include "mba_vo/blur/multiversion.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr int kColumns = QuadraticModel::kColumns;
+constexpr int kPose = 0;  // first column of each group of states
+constexpr int kXi = 6;
+constexpr int kGain = 12;
+constexpr int kOffset = 13;
+
+/// Residual = B - (e^a Bhat + b): minus its derivative is the moments of the pixel times these. J_pose belongs to the
+/// moments gx..ugy, J_xi to ugx..uugy, both times the gain; the gain itself for a, one for b.
+struct MomentJacobian {
+  alignas(64) double rows[kMoments][kColumns] = {};
+};
+
+MomentJacobian jacobianOf(const PatchPath& path, double gain, bool moving) {
+  MomentJacobian J;
+  const auto put = [&](int row, int column, const Matrix26& block) {
+    for (int axis = 0; axis < 2; ++axis) {
+      for (int i = 0; i < 6; ++i) J.rows[row + axis][column + i] = gain * block(axis, i);
+    }
+  };
+  put(0, kPose, path.J_pose[0]);
+  if (moving) {
+    put(2, kPose, path.J_pose[1]);
+    put(2, kXi, path.J_xi[0]);
+    put(4, kXi, path.J_xi[1]);
+  }
+  J.rows[6][kGain] = gain;
+  J.rows[7][kOffset] = 1.0;
+  return J;
+}
+
+/// out.hessian += J^T M J, out.gradient -= J^T r, inlined into each of the versions below. The loops over columns are
+/// the ones to be vectorised; unrolled, the compiler would shuffle.
+template <bool Moving>
+[[gnu::always_inline]] inline void addProducts(const double* __restrict moments, const double* __restrict residuals,
+                                               const MomentJacobian& J, QuadraticModel::Arrays& __restrict out) {
+  constexpr int kRows = Moving ? kMoments : 4;  // without motion, the moments in u are zero
+  const auto moment = [](int row) { return Moving || row < 2 ? row : row + 4; };
+  alignas(64) double MJ[kMoments][kColumns];
+  for (int i = 0; i < kRows; ++i) {
+    const double* __restrict m = moments + moment(i) * kMoments;
+#pragma GCC unroll 1
+    for (int k = 0; k < kColumns; ++k) {
+      double sum = 0.0;
+#pragma GCC unroll 8
+      for (int j = 0; j < kRows; ++j) sum += m[moment(j)] * J.rows[moment(j)][k];
+      MJ[moment(i)][k] = sum;
+    }
+  }
+#pragma GCC unroll 1
+  for (int k = 0; k < kColumns; ++k) {
+    double sum = 0.0;
+#pragma GCC unroll 8
+    for (int j = 0; j < kRows; ++j) sum += residuals[moment(j)] * J.rows[moment(j)][k];
+    out.gradient[k] -= sum;
+  }
+  // Only the rows of J where a group of states is not zero.
+  constexpr int kDepth = Moving ? 4 : 2;
+  for (int state = 0; state < (Moving ? kGain : kXi); ++state) {
+    const int first = state < kXi ? 0 : 2;
+#pragma GCC unroll 1
+    for (int k = 0; k < kColumns; ++k) {
+      double sum = 0.0;
+#pragma GCC unroll 4
+      for (int j = 0; j < kDepth; ++j) sum += J.rows[first + j][state] * MJ[first + j][k];
+      out.hessian[state][k] += sum;
+    }
+  }
+#pragma GCC unroll 1
+  for (int k = 0; k < kColumns; ++k) {
+    out.hessian[kGain][k] += J.rows[6][kGain] * MJ[6][k];
+    out.hessian[kOffset][k] += MJ[7][k];
+  }
+}
+
+MBA_VO_MULTIVERSION
+void addMoving(const double* __restrict moments, const double* __restrict residuals, const MomentJacobian& J,
+               QuadraticModel::Arrays& __restrict out) {
+  addProducts<true>(moments, residuals, J, out);
+}
+
+MBA_VO_MULTIVERSION
+void addStill(const double* __restrict moments, const double* __restrict residuals, const MomentJacobian& J,
+              QuadraticModel::Arrays& __restrict out) {
+  addProducts<false>(moments, residuals, J, out);
+}
+
+}  // namespace
+
+void QuadraticModel::add(const PatchSums& sums, const PatchPath& path, double gain, bool moving) {
+  const MomentJacobian J = jacobianOf(path, gain, moving);
+  (moving ? addMoving : addStill)(sums.moments.data(), sums.residuals.data(), J, arrays_);
+}
+
+void QuadraticModel::copyTo(NormalEquations<kStates>& equations) const {
+  equations.cost = cost;
+  for (int i = 0; i < kStates; ++i) {
+    equations.gradient(i) = arrays_.gradient[i];
+    for (int j = i; j < kStates; ++j) equations.hessian(i, j) = equations.hessian(j, i) = arrays_.hessian[i][j];
+  }
+}
+
+}  // namespace mba_vo

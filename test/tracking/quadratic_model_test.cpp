@@ -1,0 +1,101 @@
+#include "mba_vo/tracking/quadratic_model.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "mba_vo/solver/robust_loss.h"
+#include "support/random.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr int kPixels = 81;
+constexpr double kGain = 1.2;
+constexpr double kOffset = -3.0;
+constexpr double kThreshold = 9.0;
+
+struct Sample {
+  ReblurredPatch predicted;
+  std::array<float, kMaxPatchPixels> intensity;
+  PatchPath path;
+};
+
+Sample randomSample(test::Random& random) {
+  Sample s;
+  const auto fill = [&](std::array<float, kMaxPatchPixels>& row, double size) {
+    for (float& value : row) value = static_cast<float>(random.uniform(-size, size));
+  };
+  fill(s.predicted.value, 50.0);
+  for (auto* row :
+       {&s.predicted.gx, &s.predicted.gy, &s.predicted.ugx, &s.predicted.ugy, &s.predicted.uugx, &s.predicted.uugy}) {
+    fill(*row, 10.0);
+  }
+  for (std::size_t k = 0; k < s.intensity.size(); ++k) {
+    s.intensity[k] = static_cast<float>(kGain * s.predicted.value[k] + kOffset + random.uniform(-20.0, 20.0));
+  }
+  s.predicted.value[7] = s.intensity[30] = std::numeric_limits<float>::quiet_NaN();
+  for (int i = 0; i < 2; ++i) {
+    const auto part = static_cast<std::size_t>(i);
+    for (int row = 0; row < 2; ++row) {
+      s.path.J_pose[part].row(row) = random.tangent(1.0, 1.0).transpose();
+      s.path.J_xi[part].row(row) = random.tangent(1.0, 1.0).transpose();
+    }
+  }
+  return s;
+}
+
+/// Derivative of the residual of one pixel.
+Eigen::Matrix<double, 1, 14> derivative(const Sample& s, std::size_t k, bool moving) {
+  const ReblurredPatch& p = s.predicted;
+  const Eigen::RowVector2d g(p.gx[k], p.gy[k]), ug(p.ugx[k], p.ugy[k]), uug(p.uugx[k], p.uugy[k]);
+  Eigen::Matrix<double, 1, 14> J = Eigen::Matrix<double, 1, 14>::Zero();
+  J.head<6>() = -kGain * g * s.path.J_pose[0];
+  if (moving) {
+    J.head<6>() -= kGain * ug * s.path.J_pose[1];
+    J.segment<6>(6) = -kGain * (ug * s.path.J_xi[0] + uug * s.path.J_xi[1]);
+  }
+  J(12) = -kGain * p.value[k];
+  J(13) = -1.0;
+  return J;
+}
+
+void expectSameAsPixelByPixel(bool moving) {
+  test::Random random(8);
+  QuadraticModel model;
+  NormalEquations<14> expected;
+  PatchWeighting weighting;
+  weighting.gain = static_cast<float>(kGain);
+  weighting.offset = static_cast<float>(kOffset);
+  weighting.huber_threshold = static_cast<float>(kThreshold);
+  const HuberLoss loss(kThreshold);
+  for (int patch = 0; patch < 3; ++patch) {
+    const Sample s = randomSample(random);
+    const PatchSums sums = sumPatch(s.predicted, s.intensity, kPixels, moving, weighting);
+    model.cost += sums.cost;
+    model.add(sums, s.path, kGain, moving);
+    EXPECT_EQ(sums.pixels, kPixels - 2);
+    for (std::size_t k = 0; k < kPixels; ++k) {
+      const double r = s.intensity[k] - (kGain * s.predicted.value[k] + kOffset);
+      expected.cost += loss.cost(std::isnan(r) ? kThreshold : r);
+      if (std::isnan(r)) continue;
+      const Eigen::Matrix<double, 1, 14> J = derivative(s, k, moving);
+      const double weight = std::min(1.0, kThreshold / std::abs(r));
+      expected.hessian += weight * J.transpose() * J;
+      expected.gradient += weight * r * J.transpose();
+    }
+  }
+  NormalEquations<14> equations;
+  model.copyTo(equations);
+  EXPECT_NEAR(equations.cost, expected.cost, 1e-5 * expected.cost);
+  EXPECT_LT((equations.hessian - expected.hessian).norm(), 1e-5 * expected.hessian.norm());
+  EXPECT_LT((equations.gradient - expected.gradient).norm(), 1e-5 * expected.gradient.norm());
+}
+
+TEST(QuadraticModel, OfAMovingPatchIsTheSumOverItsPixels) { expectSameAsPixelByPixel(true); }
+
+TEST(QuadraticModel, WithoutMotionXiIsNoState) { expectSameAsPixelByPixel(false); }
+
+}  // namespace
+}  // namespace mba_vo
