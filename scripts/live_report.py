@@ -20,6 +20,7 @@ class LiveReport:
     def __init__(self, namespace, camera_info):
         self._arrival = {}  # stamp [ns] -> steady clock [s]
         self._latency = []  # [s]
+        self._poses = 0
         self._status = None
         queue = {"queue_size": 1000, "tcp_nodelay": True}
         self._subscribers = [
@@ -32,6 +33,7 @@ class LiveReport:
         self._arrival[info.header.stamp.to_nsec()] = time.monotonic()
 
     def _on_motion(self, motion):
+        self._poses += 1
         arrival = self._arrival.get(motion.header.stamp.to_nsec())
         if arrival is not None:
             self._latency.append(time.monotonic() - arrival)
@@ -48,6 +50,7 @@ class LiveReport:
         if self._status is not None:
             print("frames: " + ", ".join("%s %d" % (name, getattr(self._status, "frames_" + name)) for name in COUNTS)
                   + ", shed by the mapper %d" % self._status.mapper.frames_shed)
+        print("seen: %d images, %d poses" % (len(self._arrival), self._poses))
         latency = sorted(self._latency)
         if not latency:
             print("latency: no pose was seen")

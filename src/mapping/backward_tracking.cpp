@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include "mba_vo/mapping/kinematic_blur.h"
@@ -17,9 +18,9 @@ Vector6 referenceVelocity(const InitialMap& initial) {
     if (pose.frame->mid_exposure_ns > origin_ns && !after) after = &pose;
   }
   KinematicBlur motion;
-  if (before) motion.add(before->frame->mid_exposure_ns, before->T_reference_frame);
-  motion.add(origin_ns, SE3());
-  if (after) motion.add(after->frame->mid_exposure_ns, after->T_reference_frame);
+  if (before) motion.add(before->frame->mid_exposure_ns, before->T_reference_frame, std::nullopt);
+  motion.add(origin_ns, SE3(), std::nullopt);
+  if (after) motion.add(after->frame->mid_exposure_ns, after->T_reference_frame, std::nullopt);
   return motion.xiOfMiddle(1.0);
 }
 

@@ -1,5 +1,6 @@
 #include "mba_vo/mapping/kinematic_blur.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace mba_vo {
@@ -7,12 +8,13 @@ namespace {
 
 constexpr std::size_t kPoses = 3;
 constexpr double kLongestGap = 0.15;  // [s] the velocity is not constant over longer gaps
+constexpr double kOwnWeight = 0.4;    // of the measured velocity: less than 1, or errors of the references add up
 
 }  // namespace
 
-void KinematicBlur::add(std::int64_t mid_exposure_ns, const SE3& T_map_camera) {
+void KinematicBlur::add(std::int64_t mid_exposure_ns, const SE3& T_map_camera, const std::optional<Vector6>& velocity) {
   if (!poses_.empty() && mid_exposure_ns <= poses_.back().ns) return;
-  poses_.push_back({mid_exposure_ns, T_map_camera});
+  poses_.push_back({mid_exposure_ns, T_map_camera, velocity});
   if (poses_.size() > kPoses) poses_.pop_front();
 }
 
@@ -25,7 +27,17 @@ Vector6 KinematicBlur::xiOfMiddle(double exposure) const {
     velocities += (poses_[i - 1].T_map_camera.inverse() * poses_[i].T_map_camera).log() / dt;
     ++count;
   }
-  return count > 0 ? Vector6(exposure * velocities / count) : Vector6::Zero();
+  if (count == 0) return Vector6::Zero();
+  const Vector6 mean = velocities / count;
+  const auto measured = [&](const Pose& pose) { return pose.velocity.has_value(); };
+  if (count + 1 < static_cast<int>(kPoses) || !std::all_of(poses_.begin(), poses_.end(), measured)) {
+    return exposure * mean;
+  }
+  // The central difference exceeds the velocity by a sixth of its second difference. An error that all measured
+  // velocities have in common, that of the reference, cancels there.
+  const Vector6& own = *poses_[1].velocity;
+  const Vector6 second_difference = *poses_[0].velocity - 2.0 * own + *poses_[2].velocity;
+  return exposure * ((1.0 - kOwnWeight) * (mean - second_difference / 6.0) + kOwnWeight * own);
 }
 
 }  // namespace mba_vo

@@ -126,7 +126,7 @@ class Mapper::Impl {
     map_->searchDepths(*frame);
     last_ = {frame->frame->sequence, frame->frame->mid_exposure_ns, frame->trajectory};
     last_keyframe_ = frame->reference.keyframe_id;
-    motion_.add(frame->frame->mid_exposure_ns, map_->T_map_camera(*frame));
+    motion_.add(frame->frame->mid_exposure_ns, map_->T_map_camera(*frame), measuredVelocity(*frame));
     const TrackedFrameConstPtr candidate = std::exchange(candidate_, nullptr);
     if (!candidate) {
       if (isNeeded(*frame)) candidate_ = frame;
@@ -143,6 +143,12 @@ class Mapper::Impl {
     ExposureTrajectory in_newest = frame.trajectory;
     in_newest.T_reference_mid = reference_->T_map_reference.inverse() * map_->T_map_camera(frame);
     return keyframe_policy_.takes(*reference_, measureFrame(*reference_, in_newest), frame.brightness);
+  }
+
+  /// None where the exposure is unknown or instantaneous.
+  static std::optional<Vector6> measuredVelocity(const TrackedFrame& frame) {
+    if (exposureOf(frame) <= 0.0) return std::nullopt;
+    return frame.trajectory.velocity;
   }
 
   /// Of no use where the exposure is unknown: 0 leaves the image as if it were sharp.

@@ -2,27 +2,31 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 
 #include "mba_vo/geometry/se3.h"
 
 namespace mba_vo {
 
-/// Motion within an exposure by the poses of the frames before and after it. A blurred image compared with a blurred
-/// reference tells only by how much more the one is blurred than the other; the poses at mid-exposure, which hardly
-/// depend on the blur, tell the rest.
+/// Motion within an exposure, mostly by the poses of the frames before and after it. A blurred image compared with a
+/// blurred reference tells only by how much more the one is blurred than the other: a reference's error goes over to
+/// the motion measured in the next frame, and from there to the next reference. The poses at mid-exposure, which hardly
+/// depend on the blur, hold that back.
 class KinematicBlur {
  public:
-  /// Adds the mid pose of the next frame. Poses must be increasing in time; one that is not is ignored.
-  void add(std::int64_t mid_exposure_ns, const SE3& T_map_camera);
+  /// Adds the next frame: its mid pose and the velocity [m/s, rad/s, body frame] measured by its blur, if any.
+  /// Must be increasing in time; one that is not is ignored.
+  void add(std::int64_t mid_exposure_ns, const SE3& T_map_camera, const std::optional<Vector6>& velocity);
 
-  /// xi of the last but one frame for its `exposure` [s]: the mean of the velocities on its two sides. Zero if fewer
-  /// than two poses are known, or those on both sides are too far away in time.
+  /// xi of the last but one frame for its `exposure` [s]. Zero if fewer than two poses are known, or those on both
+  /// sides are too far away in time.
   Vector6 xiOfMiddle(double exposure) const;
 
  private:
   struct Pose {
     std::int64_t ns;
     SE3 T_map_camera;
+    std::optional<Vector6> velocity;
   };
   std::deque<Pose> poses_;
 };

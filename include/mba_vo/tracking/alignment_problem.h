@@ -28,9 +28,9 @@ struct AlignmentOptions {
   double huber_threshold = 9.0;  // [grey levels]
   double sample_spacing_px = 1.25;
   int max_samples = 64;
-  bool estimate_xi = true;      // false: the exposure is instantaneous, xi stays zero
-  double residual_sigma = 5.0;  // [grey levels] weight of the priors against the pixels, correlation included
-  double depth_noise = 3.0;     // [grey levels] pixel noise that the effect of depth uncertainty is compared with
+  bool estimate_xi = true;       // false: the exposure is instantaneous, xi stays zero
+  double residual_sigma = 20.0;  // [grey levels] weight of the priors against the pixels, correlation included
+  double depth_noise = 3.0;      // [grey levels] pixel noise that the effect of depth uncertainty is compared with
 };
 
 /// Quadratic priors on the mid pose and on xi.

@@ -7,8 +7,8 @@
 namespace mba_vo {
 
 struct MotionPriorConfig {
-  double angular_acceleration = 20.0;  // standard deviation [rad/s^2]
-  double linear_acceleration = 10.0;   // standard deviation [median depths/s^2]
+  double angular_acceleration = 5.0;  // standard deviation [rad/s^2]
+  double linear_acceleration = 2.5;   // standard deviation [median depths/s^2]
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
