@@ -93,10 +93,10 @@ void multiplyOut(const PatchComparison& c, int rows, JacobianProducts& p) {
     z[k][7] = 0.0F;
   }
   FloatRow sums[kSize - 1] = {};
-  for (int k = 0; k < kPixels; ++k) {
+  for (const auto& pixel : z) {
     FloatRow row;
-    std::memcpy(&row, z[k], sizeof(row));
-    for (int i = 0; i < kSize - 1; ++i) sums[i] += z[k][i] * row;
+    std::memcpy(&row, pixel, sizeof(row));
+    for (int i = 0; i < kSize - 1; ++i) sums[i] += pixel[i] * row;
   }
   DoubleRow E[4];
   std::memcpy(E, p.E, sizeof(E));

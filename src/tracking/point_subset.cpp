@@ -9,8 +9,8 @@ namespace {
 constexpr double kPatchOverlap = 0.75;  // cells are this fraction of a patch wide on coarse levels
 
 float squaredGradient(const cv::Mat1f& image, const Eigen::Vector2d& pixel) {
-  const int x = std::clamp(static_cast<int>(pixel.x() + 0.5), 1, image.cols - 2);
-  const int y = std::clamp(static_cast<int>(pixel.y() + 0.5), 1, image.rows - 2);
+  const int x = std::clamp(static_cast<int>(std::floor(pixel.x() + 0.5)), 1, image.cols - 2);
+  const int y = std::clamp(static_cast<int>(std::floor(pixel.y() + 0.5)), 1, image.rows - 2);
   const float gx = image(y, x + 1) - image(y, x - 1);
   const float gy = image(y + 1, x) - image(y - 1, x);
   const float g2 = gx * gx + gy * gy;
