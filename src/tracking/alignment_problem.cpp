@@ -53,6 +53,7 @@ AlignmentProblem::AlignmentProblem(const Reference& reference, const std::vector
       points_(points),
       reference_level_(reference.pyramid->level(level)),
       frame_level_(frame.pyramid.level(level)),
+      level_scale_(std::ldexp(1.0, level)),
       pattern_(pattern),
       options_(options),
       prior_(prior),
@@ -80,9 +81,12 @@ void AlignmentProblem::selectPatches(const AlignmentState& state) {
     if (!projection) continue;
     const Eigen::Vector2d centre(std::round(projection->x()), std::round(projection->y()));
     if (!frame_level_.camera.contains(centre, pattern_.radius)) continue;
-    Patch patch{centre, static_cast<double>(point.inverse_depth), static_cast<double>(point.variance), {}};
+    const Eigen::Vector2d anchor = (point.pixel.cast<double>().array() + 0.5) / level_scale_ - 0.5;
+    const Eigen::Vector2d slope = level_scale_ * point.slope.cast<double>();
+    Patch patch{centre, anchor, static_cast<double>(point.inverse_depth), static_cast<double>(point.variance),
+                slope,  {}};
     commuted.read(frame_level_, centre, patch.inverse_depth, pattern_, static_cast<float>(options_.sample_spacing_px),
-                  options_.max_samples, patch.intensity);
+                  options_.max_samples, patch.intensity, slope);
     patches_.push_back(patch);
   }
   if (patches_.empty()) return;
@@ -128,6 +132,7 @@ void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker,
     model.cost += size * cost_of_leaving;
     return;
   }
+  applySlope(patch.slope, patch.anchor, path);
   ReblurredPatch predicted;
   reblurPatch(reference_level_, path, pattern_,
               sampleCount(path.length(), static_cast<float>(options_.sample_spacing_px), options_.max_samples),
