@@ -5,7 +5,7 @@
 #
 #   --data DIR       folder with the sequences desk, shake and kitchen (../shared/data)
 #   --output DIR     folder for trajectories and plots (output/accuracy)
-#   --delay FRAMES   frames until a new keyframe is used: 0 (ideal), about 12 (as live)
+#   --delay FRAMES   frames until a new keyframe is used: 0 (ideal), 12 (a slow machine)
 #   --bin DIR        folder of the programs (devel/lib/mba_vo)
 #   RUN              desk_sharp desk shake_sharp shake kitchen shake_no_blur_model (all of them)
 set -euo pipefail

@@ -64,7 +64,7 @@ Matrix26 FixedMotionPathMaker::poseJacobian(const Hit& hit, double inverse_depth
   return J;
 }
 
-template <bool kWithPose>
+template <bool WithPose>
 bool FixedMotionPathMaker::makePath(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const {
   if (inverse_depth <= 0.0) return false;
   const Eigen::Vector3d ray = camera_.unproject(pixel);
@@ -73,13 +73,13 @@ bool FixedMotionPathMaker::makePath(const Eigen::Vector2d& pixel, double inverse
   path.c0 = mid.pixel.cast<float>();
   path.A0 = mid.A.cast<float>();
   path.J_inverse_depth[0] = mid.J_inverse_depth;
-  if (kWithPose) path.J_pose[0] = poseJacobian(mid, inverse_depth);
+  if (WithPose) path.J_pose[0] = poseJacobian(mid, inverse_depth);
   if (!moving_) {
     path.c1.setZero();
     path.c2.setZero();
     path.A1.setZero();
     path.J_inverse_depth[1].setZero();
-    if (kWithPose) path.J_pose[1].setZero();
+    if (WithPose) path.J_pose[1].setZero();
     return true;
   }
   Hit start;
@@ -89,7 +89,7 @@ bool FixedMotionPathMaker::makePath(const Eigen::Vector2d& pixel, double inverse
   path.c2 = (2.0 * (start.pixel + end.pixel) - 4.0 * mid.pixel).cast<float>();
   path.A1 = (end.A - start.A).cast<float>();
   path.J_inverse_depth[1] = end.J_inverse_depth - start.J_inverse_depth;
-  if (kWithPose) path.J_pose[1] = poseJacobian(end, inverse_depth) - poseJacobian(start, inverse_depth);
+  if (WithPose) path.J_pose[1] = poseJacobian(end, inverse_depth) - poseJacobian(start, inverse_depth);
   return true;
 }
 

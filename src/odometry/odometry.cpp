@@ -13,19 +13,26 @@ Odometry::Odometry(const OdometryConfig& config, int reference_delay_frames)
   }
 }
 
-void Odometry::takeDueReferences(std::uint64_t frame) {
+bool Odometry::takeDueReferences(std::uint64_t frame) {
+  bool any = false;
   while (!pending_.empty() && pending_.front().due_frame <= frame) {
-    tracking_.take(pending_.front().reference);
+    any = tracking_.take(pending_.front().reference) || any;
     pending_.pop_front();
   }
+  return any;
 }
 
-/// References that are due among the frames that waited are taken on the way.
+std::uint64_t Odometry::nextFrame() const { return frames_ - tracking_.waitingFrames(); }  // the newest ones wait
+
 void Odometry::trackWaiting(OdometryResult& result) {
-  while (const TrackedFrameConstPtr late = tracking_.trackWaiting()) {
-    result.late.push_back(late);
-    map(late, frames_ - 1 - tracking_.waitingFrames(), result);  // those that wait are the newest
-    takeDueReferences(frames_);
+  while (tracking_.reference()) {
+    takeDueReferences(nextFrame());
+    if (const TrackedFrameConstPtr late = tracking_.trackWaiting()) {
+      result.late.push_back(late);
+      map(late, nextFrame() - 1, result);
+    } else if (tracking_.waitingFrames() == 0 || !takeDueReferences(frames_)) {
+      return;  // done, or held for a keyframe that is not due even by now
+    }
   }
 }
 
@@ -42,7 +49,7 @@ void Odometry::map(const TrackedFrameConstPtr& tracked, std::uint64_t frame, Odo
 
 OdometryResult Odometry::process(const FrameConstPtr& frame) {
   OdometryResult result;
-  takeDueReferences(frames_);
+  if (!tracking_.reference()) takeDueReferences(frames_);
   trackWaiting(result);
   result.tracked = tracking_.process(frame);
   map(result.tracked, frames_, result);

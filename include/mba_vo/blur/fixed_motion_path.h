@@ -24,7 +24,7 @@ class FixedMotionPathMaker {
   struct Hit;
   bool hit(const Moment& moment, const Eigen::Vector3d& ray, double inverse_depth, Hit& hit) const;
   Matrix26 poseJacobian(const Hit& hit, double inverse_depth) const;
-  template <bool kWithPose>
+  template <bool WithPose>
   bool makePath(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const;
 
   PinholeCamera reference_camera_;

@@ -35,7 +35,8 @@ class Odometry {
   std::vector<MapPoint> points() const { return mapper_.points(); }
 
  private:
-  void takeDueReferences(std::uint64_t frame);
+  bool takeDueReferences(std::uint64_t frame);
+  std::uint64_t nextFrame() const;  // to be tracked
   void trackWaiting(OdometryResult& result);
   void map(const TrackedFrameConstPtr& tracked, std::uint64_t frame, OdometryResult& result);
 
