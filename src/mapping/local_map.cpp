@@ -195,10 +195,6 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe) {
   reference->image_xi = keyframes_.at(keyframe).image_xi;
   reference->brightness = window_.brightness(keyframe);
   reference->points = projectPoints(window_, reference->pyramid->level(0).camera, reference->T_map_reference);
-  const SurfaceSlopes slopes(reference->pyramid->level(0).camera, reference->points);
-  for (ReferencePoint& point : reference->points) {
-    point.slope = slopes.at(point.pixel.cast<double>(), point.inverse_depth, point.variance).cast<float>();
-  }
   for (const KeyframeId id : window_.keyframes()) reference->T_map_keyframe[id] = window_.T_map_keyframe(id);
   return reference;
 }

@@ -53,7 +53,6 @@ AlignmentProblem::AlignmentProblem(const Reference& reference, const std::vector
       points_(points),
       reference_level_(reference.pyramid->level(level)),
       frame_level_(frame.pyramid.level(level)),
-      level_scale_(std::ldexp(1.0, level)),
       pattern_(pattern),
       options_(options),
       prior_(prior),
@@ -81,12 +80,9 @@ void AlignmentProblem::selectPatches(const AlignmentState& state) {
     if (!projection) continue;
     const Eigen::Vector2d centre(std::round(projection->x()), std::round(projection->y()));
     if (!frame_level_.camera.contains(centre, pattern_.radius)) continue;
-    const Eigen::Vector2d anchor = (point.pixel.cast<double>().array() + 0.5) / level_scale_ - 0.5;
-    const Eigen::Vector2d slope = level_scale_ * point.slope.cast<double>();
-    Patch patch{centre, anchor, static_cast<double>(point.inverse_depth), static_cast<double>(point.variance),
-                slope,  {}};
+    Patch patch{centre, static_cast<double>(point.inverse_depth), static_cast<double>(point.variance), {}};
     commuted.read(frame_level_, centre, patch.inverse_depth, pattern_, static_cast<float>(options_.sample_spacing_px),
-                  options_.max_samples, patch.intensity, slope);
+                  options_.max_samples, patch.intensity);
     patches_.push_back(patch);
   }
   if (patches_.empty()) return;
@@ -132,7 +128,6 @@ void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker,
     model.cost += size * cost_of_leaving;
     return;
   }
-  applySlope(patch.slope, patch.anchor, path);
   ReblurredPatch predicted;
   reblurPatch(reference_level_, path, pattern_,
               sampleCount(path.length(), static_cast<float>(options_.sample_spacing_px), options_.max_samples),

@@ -76,10 +76,8 @@ class AlignmentProblem {
  private:
   struct Patch {
     Eigen::Vector2d centre;  // integer pixel of the frame on this level
-    Eigen::Vector2d anchor;  // the point in the reference, on this level
     double inverse_depth;
     double inverse_depth_variance;
-    Eigen::Vector2d slope;                         // of the inverse depth, on this level [1/(m px)]
     std::array<float, kMaxPatchPixels> intensity;  // of the frame, NaN where invalid
   };
   class Sums;
@@ -94,7 +92,6 @@ class AlignmentProblem {
   const std::vector<int>& points_;
   const ImageLevel& reference_level_;
   const ImageLevel& frame_level_;
-  double level_scale_;  // pixels of level 0 per pixel
   const PatchPattern& pattern_;
   AlignmentOptions options_;
   std::optional<AlignmentPrior> prior_;

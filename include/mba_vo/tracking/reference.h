@@ -27,10 +27,9 @@ struct ReferenceId {
 
 /// A point of the reference with known depth.
 struct ReferencePoint {
-  Eigen::Vector2f pixel;                            // at level 0 [px]
-  float inverse_depth;                              // z^-1 in the reference camera [1/m]
-  float variance;                                   // of the inverse depth [1/m^2]
-  Eigen::Vector2f slope = Eigen::Vector2f::Zero();  // d inverse depth / d pixel of the surface [1/(m px)]
+  Eigen::Vector2f pixel;  // at level 0 [px]
+  float inverse_depth;    // z^-1 in the reference camera [1/m]
+  float variance;         // of the inverse depth [1/m^2]
 };
 
 /// Affine brightness B = exp(a) I + b of an image relative to the map [a: log gain, b: grey levels].
