@@ -26,11 +26,14 @@ CommutedBlur::CommutedBlur(const PinholeCamera& reference_camera, const PinholeC
       to_reference_(reference_camera, frame_camera, {T_reference_mid, Vector6::Zero(), 1.0}),
       within_reference_(reference_camera, reference_camera, {SE3(), reference_xi, 1.0}) {}
 
-bool CommutedBlur::referencePath(const Eigen::Vector2d& centre, double inverse_depth, PatchPath& path) const {
+bool CommutedBlur::referencePath(const Eigen::Vector2d& centre, double inverse_depth, const Eigen::Vector2d& slope,
+                                 PatchPath& path) const {
   PatchPath transfer;
   PatchPath own;
   if (!to_reference_.makeWithoutPose(centre, inverse_depth, transfer)) return false;
+  applySlope(slope, transfer.c0.cast<double>(), transfer);
   if (!within_reference_.makeWithoutPose(transfer.c0.cast<double>(), inverse_depth, own)) return false;
+  applySlope(slope, own.c0.cast<double>(), own);
   // The frame's pixel c + A0^-1 m looks where the reference's own pixel displaced by m looks.
   const Eigen::Matrix2f to_frame = transfer.A0.inverse();
   path = transfer;
@@ -44,11 +47,11 @@ bool CommutedBlur::referencePath(const Eigen::Vector2d& centre, double inverse_d
 
 void CommutedBlur::read(const ImageLevel& frame, const Eigen::Vector2d& centre, double inverse_depth,
                         const PatchPattern& pattern, float sample_spacing_px, int max_samples,
-                        std::array<float, kMaxPatchPixels>& intensity) const {
+                        std::array<float, kMaxPatchPixels>& intensity, const Eigen::Vector2d& slope) const {
   PatchPath path;
   if (!blurred_) {
     copyPatch(frame, centre, pattern, intensity);
-  } else if (!referencePath(centre, inverse_depth, path)) {
+  } else if (!referencePath(centre, inverse_depth, slope, path)) {
     intensity.fill(std::numeric_limits<float>::quiet_NaN());
   } else if (path.length() < kSharpLength) {
     copyPatch(frame, centre, pattern, intensity);

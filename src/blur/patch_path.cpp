@@ -6,6 +6,8 @@
 namespace mba_vo {
 namespace {
 
+constexpr double kMaxStretch = 0.5;  // by which a slope may stretch the path, relative
+
 constexpr double kMinDepthRatio = 1e-3;  // points closer than this fraction of the plane's depth are behind the camera
 
 using Matrix23 = Eigen::Matrix<double, 2, 3>;
@@ -145,6 +147,35 @@ bool makePatchPath(const PinholeCamera& reference_camera, const PinholeCamera& c
 
 int sampleCount(float length_px, float spacing_px, int max_samples) {
   return std::clamp(static_cast<int>(std::ceil(length_px / spacing_px)), 1, max_samples);
+}
+
+/// A pixel of the camera looks at x on the plane d and at x + J e on the plane d + e. With e = g . (x' - x0) its place
+/// x' on the slanted plane is x0 + M (x - x0), M = (I - J g^T)^-1 = I + J g^T / (1 - g . J), J = J0 + u J1; M to first
+/// order in u is M0 + u M1, M1 = M0 J1 g^T M0.
+void applySlope(const Eigen::Vector2d& slope, const Eigen::Vector2d& anchor, PatchPath& path) {
+  const Eigen::Vector2d J0 = path.J_inverse_depth[0];
+  const Eigen::Vector2d J1 = path.J_inverse_depth[1];
+  const double stretch = slope.norm() * J0.norm();
+  if (stretch == 0.0) return;
+  const Eigen::Vector2d g = slope * std::min(1.0, kMaxStretch / stretch);
+  const Eigen::Matrix2d M0 = Eigen::Matrix2d::Identity() + J0 * g.transpose() / (1.0 - g.dot(J0));
+  const Eigen::Matrix2d M1 = M0 * J1 * g.transpose() * M0;
+  const Eigen::Matrix2f M0f = M0.cast<float>();
+  const Eigen::Matrix2f M1f = M1.cast<float>();
+  const Eigen::Vector2f x0 = anchor.cast<float>();
+  const Eigen::Vector2f offset = path.c0 - x0;
+  path.c0 = x0 + M0f * offset;
+  path.c2 = M0f * path.c2 + M1f * path.c1;
+  path.c1 = M0f * path.c1 + M1f * offset;
+  path.A1 = M0f * path.A1 + M1f * path.A0;
+  path.A0 = (M0f * path.A0).eval();
+  const auto transform = [&M0, &M1](auto& J) {
+    J[1] = (M0 * J[1] + M1 * J[0]).eval();
+    J[0] = (M0 * J[0]).eval();
+  };
+  transform(path.J_pose);
+  transform(path.J_xi);
+  transform(path.J_inverse_depth);
 }
 
 }  // namespace mba_vo

@@ -6,9 +6,13 @@
 
 #include "mba_vo/image/point_selector.h"
 #include "mba_vo/mapping/point_activation.h"
+#include "mba_vo/mapping/surface_slope.h"
 
 namespace mba_vo {
 namespace {
+
+constexpr double kUnrefinedVariance =
+    1.0;  // of an inverse depth known from searching alone: as good as unknown [1/m^2]
 
 using Clock = std::chrono::steady_clock;
 
@@ -93,6 +97,7 @@ KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const Vecto
   activatePoints();
   report.activation_ms = millisecondsSince(stage);
 
+  updateSlopes();
   stage = Clock::now();
   const WindowSummary summary = window_.optimize(config_.window.max_iterations);
   storePoses();
@@ -129,6 +134,7 @@ void LocalMap::activatePoints() {
   }
   for (auto& [id, host] : keyframes_) {
     if (id == newestKeyframe()) continue;
+    const SurfaceSlopes slopes = slopesIn(id);
     const SE3 T_newest_host = T_newest_map * window_.T_map_keyframe(id);
     const auto activated = [&, host_id = id](ImmaturePoint& point) {
       if (point.state == ImmaturePoint::State::kOutlier) return true;
@@ -139,11 +145,26 @@ void LocalMap::activatePoints() {
       const Eigen::Vector2d pixel = camera.project(in_newest);
       if (!camera.contains(pixel, 2.0)) return true;
       if (!grid.isFree(pixel)) return false;
-      if (window_.activatePoint(host_id, point.pixel.cast<double>(), point.inverseDepth())) grid.occupy(pixel);
+      const Eigen::Vector2d in_host = point.pixel.cast<double>();
+      const Eigen::Vector2d slope = slopes.at(in_host, point.inverseDepth(), kUnrefinedVariance);
+      if (window_.activatePoint(host_id, in_host, point.inverseDepth(), slope)) grid.occupy(pixel);
       return true;
     };
     host.immature.erase(std::remove_if(host.immature.begin(), host.immature.end(), activated), host.immature.end());
   }
+}
+
+SurfaceSlopes LocalMap::slopesIn(KeyframeId keyframe) const {
+  const PinholeCamera& camera = keyframes_.at(keyframe).sharp->level(0).camera;
+  return SurfaceSlopes(camera, projectPoints(window_, camera, window_.T_map_keyframe(keyframe)));
+}
+
+void LocalMap::updateSlopes() {
+  std::map<KeyframeId, SurfaceSlopes> slopes;
+  for (const KeyframeId id : window_.keyframes()) slopes.emplace(id, slopesIn(id));
+  window_.setSlopes([&slopes](const WindowPoint& point) {
+    return slopes.at(point.host).at(point.pixel, point.inverse_depth, kResidualVariance * point.variance);
+  });
 }
 
 void LocalMap::selectImmaturePoints(HostKeyframe& host) const {

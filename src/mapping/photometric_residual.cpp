@@ -23,10 +23,11 @@ float squaredGradient(const cv::Mat1f& image, int x, int y) {
 }
 
 void readTarget(const PairGeometry& pair, const Eigen::Vector2i& centre, double inverse_depth,
-                const ResidualOptions& options, std::array<float, kMaxPatchPixels>& intensity) {
+                const ResidualOptions& options, const Eigen::Vector2d& slope,
+                std::array<float, kMaxPatchPixels>& intensity) {
   if (pair.commuted) {
     pair.commuted->read(*pair.target_image, centre.cast<double>(), inverse_depth, pattern(), options.sample_spacing_px,
-                        options.max_samples, intensity);
+                        options.max_samples, intensity, slope);
     return;
   }
   for (std::size_t k = 0; k < kResidualPixels; ++k) {
@@ -163,7 +164,7 @@ std::vector<PairGeometry> makePairGeometries(const WindowState& state, bool rebl
 }
 
 void placePixels(const PairGeometry& pair, const Eigen::Vector2d& host_pixel, double inverse_depth,
-                 const ResidualOptions& options, PatchResidual& residual) {
+                 const ResidualOptions& options, PatchResidual& residual, const Eigen::Vector2d& slope) {
   residual.has_pixels = false;
   residual.energy = residual.trial_energy = kNoEnergy;
   const Eigen::Vector3d ray = pair.host_image->camera.unproject(host_pixel);
@@ -174,7 +175,7 @@ void placePixels(const PairGeometry& pair, const Eigen::Vector2d& host_pixel, do
   residual.centre = projection.array().round().cast<int>();
   const cv::Mat1f& image = pair.target_image->intensity;
   std::array<float, kMaxPatchPixels> intensity;
-  readTarget(pair, residual.centre, inverse_depth, options, intensity);
+  readTarget(pair, residual.centre, inverse_depth, options, slope, intensity);
   const float c2 = options.gradient_constant * options.gradient_constant;
   float sum = 0.0F;
   for (std::size_t k = 0; k < kResidualPixels; ++k) {

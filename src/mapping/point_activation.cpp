@@ -13,7 +13,6 @@ constexpr double kCertainSearch = 8.0;  // [px] a longer last search leaves the 
 constexpr double kMinQuality = 3.0;
 constexpr double kBorder = 5.0;  // [px]
 constexpr double kInitialRelativeSigma = 0.05;
-constexpr double kResidualVariance = 25.0;  // [grey levels^2]
 
 }  // namespace
 

@@ -191,10 +191,11 @@ PointId Window::addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double i
   return impl_->insert(std::move(point));
 }
 
-std::optional<PointId> Window::activatePoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth) {
+std::optional<PointId> Window::activatePoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,
+                                             const Eigen::Vector2d& slope) {
   if (!(inverse_depth > 0.0) || !std::isfinite(inverse_depth)) return std::nullopt;
-  std::optional<PointState> point =
-      impl_->activation_.activate(impl_->state_, impl_->pairs(), impl_->state_.indexOf(host), pixel, inverse_depth);
+  std::optional<PointState> point = impl_->activation_.activate(
+      impl_->state_, impl_->pairs(), impl_->state_.indexOf(host), pixel, inverse_depth, slope);
   if (!point) return std::nullopt;
   return impl_->insert(std::move(*point));
 }
@@ -238,6 +239,11 @@ std::vector<WindowPoint> Window::points() const {
   points.reserve(impl_->state_.points.size());
   for (const PointState& point : impl_->state_.points) points.push_back(impl_->describe(point, positions));
   return points;
+}
+
+void Window::setSlopes(const std::function<Eigen::Vector2d(const WindowPoint&)>& slopeOf) {
+  const std::vector<WindowPoint> described = points();
+  for (std::size_t i = 0; i < described.size(); ++i) impl_->state_.points[i].slope = slopeOf(described[i]);
 }
 
 int Window::pointCount() const { return static_cast<int>(impl_->state_.points.size()); }

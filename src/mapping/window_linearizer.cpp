@@ -53,6 +53,7 @@ void WindowLinearizer::evaluateResidual(const PairGeometry& pair, const PointSta
   if (!residual.has_pixels || !pair.path->makeWithoutPose(residual.centre.cast<double>(), point.inverse_depth, path)) {
     return;
   }
+  applySlope(point.slope, point.pixel, path);
   residual.drift = projectionDrift(path, point.pixel);
   if (comparePatch(pair, path, residual, options_, comparison)) residual.trial_energy = comparison.energy;
 }
@@ -62,7 +63,8 @@ void WindowLinearizer::placePixels(WindowState& state, float max_drift) const {
   for (PointState& point : state.points) {
     for (PatchResidual& residual : point.residuals) {
       if (residual.has_pixels && residual.drift <= max_drift) continue;
-      mba_vo::placePixels(pairOf(pairs, state, point, residual), point.pixel, point.inverse_depth, options_, residual);
+      mba_vo::placePixels(pairOf(pairs, state, point, residual), point.pixel, point.inverse_depth, options_, residual,
+                          point.slope);
     }
   }
 }
@@ -95,7 +97,7 @@ void WindowLinearizer::replacePixels(WindowState& state, float max_drift, Window
       PatchComparison& comparison = evaluation.patches[patch++];
       if (residual.has_pixels && residual.drift <= max_drift) continue;
       const PairGeometry& pair = pairOf(pairs, state, point, residual);
-      mba_vo::placePixels(pair, point.pixel, point.inverse_depth, options_, residual);
+      mba_vo::placePixels(pair, point.pixel, point.inverse_depth, options_, residual, point.slope);
       evaluateResidual(pair, point, residual, comparison);
     }
   }
@@ -117,6 +119,7 @@ void WindowLinearizer::assemblePoint(const WindowState& state, const std::vector
     if (!isGoodTrial(state, residual)) continue;
     const PairGeometry& pair = pairOf(pairs, state, point, residual);
     if (!jacobianPath(pair).make(residual.centre.cast<double>(), point.inverse_depth, path)) continue;
+    applySlope(point.slope, point.pixel, path);
     assembleSystem(comparison, path, pair.blurred, system);
     PairSums& sums = chunk.pairs[static_cast<std::size_t>(&pair - pairs.data())];
     sums.H += system.H;
@@ -144,6 +147,7 @@ void WindowLinearizer::assembleDepths(const WindowState& state, const WindowEval
       if (!isGoodTrial(state, residual)) continue;
       const PairGeometry& pair = pairOf(pairs, state, point, residual);
       if (!jacobianPath(pair).makeWithoutPose(residual.centre.cast<double>(), point.inverse_depth, path)) continue;
+      applySlope(point.slope, point.pixel, path);
       H_depth(static_cast<Eigen::Index>(row)) += assembleDepth(comparison, path, pair.blurred).H;
     }
   });

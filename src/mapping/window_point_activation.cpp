@@ -19,10 +19,11 @@ WindowPointActivation::Evaluation WindowPointActivation::evaluate(const WindowSt
   for (PatchResidual& residual : point.residuals) {
     const PairGeometry& pair = pairs[static_cast<std::size_t>(point.host * state.size() + residual.target)];
     const double limit = state.keyframe(residual.target).outlier_energy;
-    if (place_pixels) placePixels(pair, point.pixel, point.inverse_depth, residual_options_, residual);
-    if (!residual.has_pixels ||
-        !pair.path->makeWithoutPose(residual.centre.cast<double>(), point.inverse_depth, path) ||
-        !comparePatch(pair, path, residual, residual_options_, comparison)) {
+    if (place_pixels) placePixels(pair, point.pixel, point.inverse_depth, residual_options_, residual, point.slope);
+    const bool seen =
+        residual.has_pixels && pair.path->makeWithoutPose(residual.centre.cast<double>(), point.inverse_depth, path);
+    if (seen) applySlope(point.slope, point.pixel, path);
+    if (!seen || !comparePatch(pair, path, residual, residual_options_, comparison)) {
       // Leaving an image never pays: the energy before the step, if any, still counts.
       if (!std::isnan(residual.energy)) total.cost += std::min(static_cast<double>(residual.energy), limit);
       continue;
@@ -48,11 +49,13 @@ bool WindowPointActivation::acceptable(const WindowState& state, const PointStat
 
 std::optional<PointState> WindowPointActivation::activate(const WindowState& state,
                                                           const std::vector<PairGeometry>& pairs, int host,
-                                                          const Eigen::Vector2d& pixel, double inverse_depth) const {
+                                                          const Eigen::Vector2d& pixel, double inverse_depth,
+                                                          const Eigen::Vector2d& slope) const {
   PointState point;
   point.host = host;
   point.pixel = pixel;
   point.inverse_depth = inverse_depth;
+  point.slope = slope;
   for (int t = 0; t < state.size(); ++t) {
     if (t == host) continue;
     PatchResidual residual;

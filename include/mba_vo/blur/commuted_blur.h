@@ -18,10 +18,12 @@ class CommutedBlur {
   /// Intensities of the patch around the integer pixel `centre` of the frame, blurred along the path that the
   /// reference's blur takes there; the plain intensities if the reference is sharp. NaN where invalid.
   void read(const ImageLevel& frame, const Eigen::Vector2d& centre, double inverse_depth, const PatchPattern& pattern,
-            float sample_spacing_px, int max_samples, std::array<float, kMaxPatchPixels>& intensity) const;
+            float sample_spacing_px, int max_samples, std::array<float, kMaxPatchPixels>& intensity,
+            const Eigen::Vector2d& slope = Eigen::Vector2d::Zero()) const;
 
  private:
-  bool referencePath(const Eigen::Vector2d& centre, double inverse_depth, PatchPath& path) const;
+  bool referencePath(const Eigen::Vector2d& centre, double inverse_depth, const Eigen::Vector2d& slope,
+                     PatchPath& path) const;
 
   bool blurred_;
   FixedMotionPathMaker to_reference_;

@@ -32,13 +32,18 @@ struct PatchPath {
   Eigen::Matrix2f A0, A1;
   // Derivatives of the path, linear in u: d x / d delta = J_pose[0] + u J_pose[1] for a right increment of T_mid and
   // d x / d xi = u (J_xi[0] + u J_xi[1]).
-  std::array<Matrix26, 2> J_pose;
-  std::array<Matrix26, 2> J_xi;
+  std::array<Matrix26, 2> J_pose{Matrix26::Zero(), Matrix26::Zero()};
+  std::array<Matrix26, 2> J_xi{Matrix26::Zero(), Matrix26::Zero()};
   std::array<Eigen::Vector2d, 2> J_inverse_depth;
 
   /// Length of the path of the centre [px].
   float length() const;
 };
+
+/// Turns a path made for a fronto-parallel plane into that for the slanted plane with inverse depth d + slope . (x -
+/// anchor) at pixel x of the reference, d being that of the fronto-parallel one. Path and derivatives are those of the
+/// slanted plane; parallax so large that the plane is seen nearly edge-on is limited.
+void applySlope(const Eigen::Vector2d& slope, const Eigen::Vector2d& anchor, PatchPath& path);
 
 /// Makes the paths of many patches for one exposure trajectory (relative to the reference); what depends on the
 /// trajectory alone is computed once.

@@ -7,6 +7,7 @@
 #include "mba_vo/deblur/deblurrer.h"
 #include "mba_vo/mapping/keyframe_report.h"
 #include "mba_vo/mapping/mapper_config.h"
+#include "mba_vo/mapping/surface_slope.h"
 #include "mba_vo/mapping/trajectory_store.h"
 #include "mba_vo/mapping/window.h"
 
@@ -58,6 +59,8 @@ class LocalMap {
                    const SE3& T_map_keyframe, const Vector6& xi, const AffineBrightness& brightness);
   std::shared_ptr<const ImagePyramid> deblur(const TrackedFrame& tracked, const SE3& T_map_keyframe) const;
   void activatePoints();
+  SurfaceSlopes slopesIn(KeyframeId keyframe) const;
+  void updateSlopes();
   void selectImmaturePoints(HostKeyframe& host) const;
   void marginalizeKeyframes();
   void storePoses();

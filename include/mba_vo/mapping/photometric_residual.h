@@ -39,7 +39,8 @@ std::vector<PairGeometry> makePairGeometries(const WindowState& state, bool rebl
 /// Places the residual's pixels around the projection of the point, rounded to integers. Leaves it without pixels if
 /// the point is behind the target or any pixel is outside or invalid.
 void placePixels(const PairGeometry& pair, const Eigen::Vector2d& host_pixel, double inverse_depth,
-                 const ResidualOptions& options, PatchResidual& residual);
+                 const ResidualOptions& options, PatchResidual& residual,
+                 const Eigen::Vector2d& slope = Eigen::Vector2d::Zero());
 
 /// Distance of the point's projection from the centre of the pixel set [px of the target].
 float projectionDrift(const PatchPath& path, const Eigen::Vector2d& host_pixel);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -89,7 +90,10 @@ class Window {
   PointId addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth);
   /// Refines the inverse depth of a new point against all keyframes, poses fixed, and adds the point if enough of them
   /// agree and its depth is well determined.
-  std::optional<PointId> activatePoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth);
+  std::optional<PointId> activatePoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,
+                                       const Eigen::Vector2d& slope = Eigen::Vector2d::Zero());
+  /// Sets the slopes of the surface at all points, see PointState.
+  void setSlopes(const std::function<Eigen::Vector2d(const WindowPoint&)>& slopeOf);
   /// Adds the residuals of all existing points into a keyframe just added.
   void addResidualsTo(KeyframeId target);
 

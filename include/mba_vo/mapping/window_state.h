@@ -56,6 +56,7 @@ struct PointState {
   int host = 0;  // index of the keyframe in the window
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   double inverse_depth = 0.0;
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();  // d inverse depth / d host pixel of the surface [1/(m px)]
   double information = 0.0;  // of the inverse depth: its entry of the Hessian at the current state
   std::vector<PatchResidual> residuals;
 };
