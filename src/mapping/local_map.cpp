@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "mba_vo/image/parallel_for.h"
 #include "mba_vo/image/point_selector.h"
 #include "mba_vo/mapping/point_activation.h"
 #include "mba_vo/mapping/surface_slope.h"
@@ -13,6 +14,8 @@ namespace {
 
 constexpr double kUnrefinedVariance =
     1.0;  // of an inverse depth known from searching alone: as good as unknown [1/m^2]
+
+constexpr std::size_t kPointsPerSearch = 64;  // in one piece of parallel work
 
 using Clock = std::chrono::steady_clock;
 
@@ -69,7 +72,11 @@ void LocalMap::searchDepths(const TrackedFrame& tracked) {
     const double gain = std::exp(tracked.brightness.a - host_brightness.a);
     const double offset = tracked.brightness.b - gain * host_brightness.b;
     const DepthSearcher searcher(*host.sharp, tracked.frame->pyramid, in_host, gain, offset, config_.depth_search);
-    for (ImmaturePoint& point : host.immature) searcher.search(point);
+    const std::size_t chunks = (host.immature.size() + kPointsPerSearch - 1) / kPointsPerSearch;
+    parallelFor(chunks, [&, &immature = host.immature](std::size_t chunk) {
+      const std::size_t end = std::min((chunk + 1) * kPointsPerSearch, immature.size());
+      for (std::size_t i = chunk * kPointsPerSearch; i < end; ++i) searcher.search(immature[i]);
+    });
   }
   depth_search_ms_ += millisecondsSince(begin);
 }

@@ -66,7 +66,7 @@ void MapperWorker::run() {
   while (const std::optional<Job> job = queue_.pop()) {
     if (job->frame) {
       process(*job->frame);
-      while (queue_.empty() && doDeferredWork()) {
+      while (queue_.empty() && mapper_.doDeferredWork()) {
       }
     } else {
       mapper_.finishDeferredWork();
@@ -75,18 +75,11 @@ void MapperWorker::run() {
   }
 }
 
-bool MapperWorker::doDeferredWork() {
-  bool more = false;
-  one_core_.execute([&] { more = mapper_.doDeferredWork(); });
-  return more;
-}
-
 void MapperWorker::process(const TrackedFrameMessage& message) {
   followSession(message.summary);
   const TrackedFrame& tracked = *message.tracked;
   const bool stale = tracked.tracked() && tracked.reference.map_id != map_id_;
-  MapperOutput output;
-  one_core_.execute([&] { output = mapper_.process(message.tracked); });
+  const MapperOutput output = mapper_.process(message.tracked);
   status_.frameProcessed(tracked, output, stale);
   if (output.reference) {
     publishReference(output.reference, message.summary);

@@ -5,8 +5,6 @@
 #include <thread>
 #include <vector>
 
-#include <tbb/task_arena.h>
-
 #include "map_publisher.h"
 #include "mapper_status_reporter.h"
 #include "mba_vo/ros/bounded_queue.h"
@@ -36,7 +34,6 @@ class MapperWorker {
 
   void run();
   void process(const TrackedFrameMessage& message);
-  bool doDeferredWork();
   void followSession(const TrackedFrameSummary& summary);
   void publishReference(const ReferenceConstPtr& reference, const TrackedFrameSummary& cause);
 
@@ -47,7 +44,6 @@ class MapperWorker {
   BoundedQueue<Job> queue_;
 
   // Of the thread alone from here on.
-  tbb::task_arena one_core_{1};  // parallel loops of the mapper must not take the tracker's core
   Mapper mapper_;
   std::uint64_t session_ = 0;  // of the newest frame; 0 = none yet
   MapId map_id_ = 0;           // of the newest reference
