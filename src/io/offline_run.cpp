@@ -51,21 +51,30 @@ class Run {
       const Stopwatch stopwatch(processing);
       return odometry_.process(frame);
     }();
-    constexpr double kSecondsPerMillisecond = 1e-3;
-    const double mapping = kSecondsPerMillisecond * odometry.mapping_ms;
-    result.times.mapping += mapping;
-    result.times.tracking += processing - mapping;
-    result.log.add(odometry, verdict.reason);
+    account(odometry, processing, verdict.reason, result);
   }
 
-  void finish(StageTimes& times) {
-    const Stopwatch stopwatch(times.mapping);
-    odometry_.finish();
+  void finish(OfflineResult& result) {
+    double processing = 0.0;  // [s]
+    const OdometryResult odometry = [&] {
+      const Stopwatch stopwatch(processing);
+      return odometry_.finish();
+    }();
+    account(odometry, processing, "", result);
   }
 
   std::vector<TrajectoryEntry> trajectory() const { return odometry_.trajectory(); }
 
  private:
+  static void account(const OdometryResult& odometry, double processing, const std::string& warning,
+                      OfflineResult& result) {
+    constexpr double kSecondsPerMillisecond = 1e-3;
+    const double mapping = kSecondsPerMillisecond * odometry.mapping_ms;
+    result.times.mapping += mapping;
+    result.times.tracking += processing - mapping;
+    result.log.add(odometry, warning);
+  }
+
   FrameConstPtr build(const SequenceImage& image, const std::optional<double>& exposure, double& seconds) const {
     const Stopwatch stopwatch(seconds);
     try {
@@ -100,7 +109,7 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
       }
       progress(done);
     }
-    run.finish(result.times);
+    run.finish(result);
   }
   result.trajectory = run.trajectory();
   result.log.settle(result.trajectory);

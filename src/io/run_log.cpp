@@ -27,33 +27,40 @@ void takeTracking(const TrackedFrame& tracked, FrameRecord& record) {
 }  // namespace
 
 void RunLog::add(const OdometryResult& result, const std::string& warning) {
-  FrameRecord record;
-  record.sequence = result.tracked->frame->sequence;
-  record.stamp_ns = result.tracked->frame->stamp_ns;
-  record.mid_exposure_ns = result.tracked->frame->mid_exposure_ns;
-  record.exposure = result.tracked->frame->exposure;
-  takeTracking(*result.tracked, record);
-  appendText(record.reason, warning);
-  record.mapping_ms = result.mapping_ms;
+  if (result.tracked) addFrame(*result.tracked, warning);
+  if (frames_.empty()) return;
+  frames_.back().mapping_ms += result.mapping_ms;
   for (const MapperOutput& mapping : result.mapping) {
-    appendText(record.message, mapping.message);
-    if (mapping.keyframe) {
-      keyframes_.push_back(*mapping.keyframe);
-    }
+    appendText(frames_.back().message, mapping.message);
+    if (mapping.keyframe) keyframes_.push_back(*mapping.keyframe);
   }
-  frames_.push_back(record);
   for (const TrackedFrameConstPtr& late : result.late) {
     addLate(*late);
   }
 }
 
+void RunLog::addFrame(const TrackedFrame& tracked, const std::string& warning) {
+  FrameRecord record;
+  record.sequence = tracked.frame->sequence;
+  record.stamp_ns = tracked.frame->stamp_ns;
+  record.mid_exposure_ns = tracked.frame->mid_exposure_ns;
+  record.exposure = tracked.frame->exposure;
+  takeTracking(tracked, record);
+  appendText(record.reason, warning);
+  frames_.push_back(record);
+}
+
 void RunLog::addLate(const TrackedFrame& late) {
   const auto found = std::find_if(frames_.rbegin(), frames_.rend(),
                                   [&](const FrameRecord& record) { return record.sequence == late.frame->sequence; });
-  if (found != frames_.rend()) {
-    takeTracking(late, *found);
-    appendText(found->reason, "had to wait for the first reference");
+  if (found == frames_.rend()) return;
+  const bool had_pose = found->points_used.has_value();
+  if (had_pose && !late.tracked()) {
+    found->tracking_ms += late.tracking_ms;  // in vain
+    return;
   }
+  takeTracking(late, *found);
+  if (!had_pose) appendText(found->reason, "had to wait for a reference");
 }
 
 void RunLog::addRejected(const SequenceImage& image, const std::string& reason) {

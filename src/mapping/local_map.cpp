@@ -197,6 +197,7 @@ void LocalMap::storePoses() {
 std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe) {
   auto reference = std::make_shared<Reference>();
   reference->id = {id_, keyframe, revision_++};
+  reference->mid_exposure_ns = keyframes_.at(keyframe).frame->mid_exposure_ns;
   reference->T_map_reference = window_.T_map_keyframe(keyframe);
   reference->pyramid = keyframes_.at(keyframe).sharp;
   reference->image_xi = keyframes_.at(keyframe).image_xi;

@@ -20,6 +20,7 @@ class Mapper::Impl {
 
   MapperOutput process(const TrackedFrameConstPtr& frame) {
     if (!map_) return initialize(frame->frame);
+    if (frame->frame->mid_exposure_ns <= last_.mid_exposure_ns) return revise(frame);
     // A tracker that was lost for so long that it gave up its reference reports INITIALIZING.
     if (frame->status == TrackingStatus::kLost || (lost_since_ns_ && !frame->tracked())) return handleLost(*frame);
     if (!frame->tracked()) return resend();
@@ -50,6 +51,7 @@ class Mapper::Impl {
     backward_.reset();
     first_keyframe_.reset();
     motion_ = {};
+    last_ = {};
   }
 
   ReferenceConstPtr currentReference() const { return reference_; }
@@ -110,6 +112,14 @@ class Mapper::Impl {
     tracked->reference = reference.id;
     tracked->trajectory = trajectory;
     return tracked;
+  }
+
+  /// A frame that is no newer than the last one was tracked again: its pose is better now, the map has it already.
+  MapperOutput revise(const TrackedFrameConstPtr& frame) {
+    if (!frame->tracked() || frame->reference.map_id != map_->id()) return {};
+    store_.addFrame(*frame);
+    if (candidate_ && candidate_->frame->sequence == frame->frame->sequence) candidate_ = frame;
+    return {};
   }
 
   MapperOutput refine(const TrackedFrameConstPtr& frame) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "mba_vo/odometry/recent_frames.h"
 #include "mba_vo/tracking/motion_state.h"
 
 namespace mba_vo {
@@ -11,7 +12,8 @@ namespace {
 
 constexpr double kMapperTime = 1.0;      // [s] frames wait for so much longer than the initialiser keeps them
 constexpr double kLongestHold = 0.3;     // [s] for a keyframe that was asked for
-constexpr double kHoldingNeed = 4.0;     // of a keyframe, 1 = the next sharp frame would do
+constexpr double kRevisionNeed = 1.5;    // of a keyframe, 1 = the next sharp frame would do
+constexpr double kHoldingNeed = 4.0;     // the same
 constexpr int kFramesUntilKeyframe = 2;  // the mapper looks at one more frame before it makes a keyframe
 
 double secondsBetween(const Frame& from, const Frame& to) {
@@ -40,8 +42,8 @@ class TrackingLoop::Impl {
   TrackedFrameConstPtr process(const FrameConstPtr& frame) {
     if (reference_ && lostFor(*frame) >= restart_after_lost_) reference_.reset();  // as the mapper does
     if (reference_ && waiting_.empty()) return track(frame);
-    waiting_.push_back(frame);
-    while (secondsBetween(*waiting_.front(), *frame) > longest_wait_) waiting_.pop_front();
+    waiting_.push_back({frame, false});
+    while (secondsBetween(*waiting_.front().frame, *frame) > longest_wait_) waiting_.pop_front();
     return untracked(frame, TrackingStatus::kInitializing,
                      reference_ ? "earlier frames are still being tracked" : "no map yet");
   }
@@ -50,11 +52,13 @@ class TrackingLoop::Impl {
     if (reference_ && reference_->id.map_id == reference->id.map_id) {
       const SE3 T_new_old = T_newReference_oldReference(*reference);
       motion_.changeReference(T_new_old);
+      recent_.changeReference(T_new_old);
       T_odom_reference_ = T_odom_reference_ * T_new_old.inverse();
     } else if (reference->hint) {
       motion_ = {reference->hint->trajectory, reference->hint->mid_exposure_ns};
       T_odom_reference_ = T_odom_camera_ * motion_.last().T_reference_mid.inverse();
       brightness_ = reference->brightness;
+      recent_.clear();
     } else {
       return false;
     }
@@ -62,15 +66,16 @@ class TrackingLoop::Impl {
     lost_since_ns_.reset();
     frames_since_request_ = 0;
     hold_since_ns_.reset();
+    trackAgain(recent_.takeAfter(reference->mid_exposure_ns));
     return true;
   }
 
-  TrackedFrameConstPtr trackWaiting() {
-    while (reference_ && !waiting_.empty() && waiting_.front()->mid_exposure_ns <= motion_.lastNs()) {
+  TrackedFrameConstPtr trackWaiting(bool may_hold) {
+    while (reference_ && !waiting_.empty() && waiting_.front().frame->mid_exposure_ns <= motion_.lastNs()) {
       waiting_.pop_front();
     }
-    if (!reference_ || waiting_.empty() || holds()) return nullptr;
-    const FrameConstPtr frame = waiting_.front();
+    if (!reference_ || waiting_.empty() || (may_hold && holds())) return nullptr;
+    const FrameConstPtr frame = waiting_.front().frame;
     waiting_.pop_front();
     return track(frame);
   }
@@ -80,6 +85,7 @@ class TrackingLoop::Impl {
   void reset() {
     reference_.reset();
     waiting_.clear();
+    recent_.clear();
     lost_since_ns_.reset();
     frames_since_request_ = 0;
     hold_since_ns_.reset();
@@ -92,11 +98,26 @@ class TrackingLoop::Impl {
   ReferenceConstPtr reference() const { return reference_; }
 
  private:
+  struct WaitingFrame {
+    FrameConstPtr frame;
+    bool tracked;  // before, against an older reference
+  };
+
+  /// Goes back to the first of the frames, which are seen better by the reference that has just come.
+  void trackAgain(const std::vector<RecentFrames::Entry>& frames) {
+    if (frames.empty()) return;
+    motion_ = frames.front().motion_before;
+    brightness_ = frames.front().brightness_before;
+    std::vector<WaitingFrame> again;
+    for (const RecentFrames::Entry& entry : frames) again.push_back({entry.frame, entry.tracked});
+    waiting_.insert(waiting_.begin(), again.begin(), again.end());
+  }
+
   /// True while waiting frames have to go on waiting for the keyframe that the last ones asked for. Measured in the
-  /// time of the frames, so that it does not depend on the machine.
+  /// time of the frames, so that it does not depend on the machine. A frame that has a pose already waits for nothing.
   bool holds() {
-    if (frames_since_request_ < kFramesUntilKeyframe || need_ < kHoldingNeed) return false;
-    const std::int64_t newest_ns = waiting_.back()->mid_exposure_ns;
+    if (waiting_.front().tracked || frames_since_request_ < kFramesUntilKeyframe || need_ < kHoldingNeed) return false;
+    const std::int64_t newest_ns = waiting_.back().frame->mid_exposure_ns;
     if (!hold_since_ns_) hold_since_ns_ = newest_ns;
     return 1e-9 * static_cast<double>(newest_ns - *hold_since_ns_) < kLongestHold;
   }
@@ -106,6 +127,7 @@ class TrackingLoop::Impl {
                         frame->exposure.value_or(tracker_config_.unknown_exposure));
     guess.brightness = brightness_;
     auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
+    const RecentFrames::Entry entry = {frame, tracked->tracked(), motion_, brightness_};
     if (!tracked->tracked()) {
       if (!lost_since_ns_) lost_since_ns_ = frame->mid_exposure_ns;
     } else {
@@ -117,6 +139,7 @@ class TrackingLoop::Impl {
       if (tracked->keyframe_requested || frames_since_request_ > 0) ++frames_since_request_;
       need_ = keyframe_policy_.need(*reference_, tracked->measures, tracked->brightness);
     }
+    recent_.add(entry, !tracked->tracked() || need_ >= kRevisionNeed);
     return tracked;
   }
 
@@ -137,7 +160,8 @@ class TrackingLoop::Impl {
   double restart_after_lost_;  // [s]
   double longest_wait_;        // [s]
   ReferenceConstPtr reference_;
-  std::deque<FrameConstPtr> waiting_;
+  std::deque<WaitingFrame> waiting_;  // by time
+  RecentFrames recent_;               // before those that wait
   MotionState motion_;  // relative to reference_
   std::optional<std::int64_t> lost_since_ns_;
   double need_ = 0.0;             // of a keyframe
@@ -152,7 +176,7 @@ TrackingLoop::TrackingLoop(const OdometryConfig& config) : impl_(std::make_uniqu
 TrackingLoop::~TrackingLoop() = default;
 TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame) { return impl_->process(frame); }
 bool TrackingLoop::take(const ReferenceConstPtr& reference) { return impl_->take(reference); }
-TrackedFrameConstPtr TrackingLoop::trackWaiting() { return impl_->trackWaiting(); }
+TrackedFrameConstPtr TrackingLoop::trackWaiting(bool may_hold) { return impl_->trackWaiting(may_hold); }
 std::size_t TrackingLoop::waitingFrames() const { return impl_->waitingFrames(); }
 void TrackingLoop::reset() { impl_->reset(); }
 const SE3& TrackingLoop::T_odom_camera() const { return impl_->T_odom_camera(); }

@@ -30,7 +30,7 @@ std::vector<Step> runSteps(const std::string& folder, int delay, int frames) {
     reported.push_back(result.tracked);
     for (std::size_t n = 0; n < reported.size(); ++n) {
       Step& step = steps.at(reported[n]->frame->sequence);
-      if (reported[n]->tracked()) {
+      if (reported[n]->tracked() && !step.used) {  // at first: it may be tracked again later
         step.used = reported[n]->reference;
       }
       if (result.mapping.at(n).reference) {

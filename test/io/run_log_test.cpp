@@ -95,7 +95,7 @@ TEST(RunLog, LateResultsReplaceTheFirstOnes) {
   log.settle({pose(0, 1), pose(1, 1)});
   ASSERT_EQ(log.frames().size(), 2U);
   EXPECT_EQ(log.frames()[0].status, "TRACKING");
-  EXPECT_EQ(log.frames()[0].reason, "had to wait for the first reference");
+  EXPECT_EQ(log.frames()[0].reason, "had to wait for a reference");
   EXPECT_EQ(log.frames()[0].blur_length_px, 7.0);
   EXPECT_DOUBLE_EQ(log.frames()[0].tracking_ms, 10.0);
 }

@@ -33,6 +33,7 @@ struct FrameRecord {
 /// tracked backwards after initialisation, and a map may be given up.
 class RunLog {
  public:
+  /// A result without a frame, of Odometry::finish, goes to the row of the last one.
   void add(const OdometryResult& result, const std::string& warning);
   void addRejected(const SequenceImage& image, const std::string& reason);
   /// Brings every status in line with the final trajectory. Call once, at the end.
@@ -42,6 +43,7 @@ class RunLog {
   const std::vector<KeyframeReport>& keyframes() const { return keyframes_; }
 
  private:
+  void addFrame(const TrackedFrame& tracked, const std::string& warning);
   void addLate(const TrackedFrame& late);
 
   std::vector<FrameRecord> frames_;

@@ -9,11 +9,11 @@
 
 namespace mba_vo {
 
-/// What happened to one input frame.
+/// What happened to one input frame, or after the last one.
 struct OdometryResult {
-  TrackedFrameConstPtr tracked;
+  TrackedFrameConstPtr tracked;            // null after the last frame
   std::vector<MapperOutput> mapping;       // one for each result that went to the mapper
-  std::vector<TrackedFrameConstPtr> late;  // second results of earlier frames that had to wait for the first reference
+  std::vector<TrackedFrameConstPtr> late;  // further results of earlier frames, which had to wait for a reference
   double mapping_ms = 0.0;
 };
 
@@ -28,8 +28,8 @@ class Odometry {
   /// Every frame gives exactly one result; its `tracked` is never null.
   OdometryResult process(const FrameConstPtr& frame);
 
-  /// To be called after the last frame: does what the mapper has put off.
-  void finish() { mapper_.finishDeferredWork(); }
+  /// To be called after the last frame: does what has been put off. No reference is waited for any longer.
+  OdometryResult finish();
 
   std::vector<TrajectoryEntry> trajectory() const { return mapper_.trajectory(); }
   std::vector<MapPoint> points() const { return mapper_.points(); }
@@ -37,7 +37,7 @@ class Odometry {
  private:
   bool takeDueReferences(std::uint64_t frame);
   std::uint64_t nextFrame() const;  // to be tracked
-  void trackWaiting(OdometryResult& result);
+  void trackWaiting(OdometryResult& result, bool at_end);
   void map(const TrackedFrameConstPtr& tracked, std::uint64_t frame, OdometryResult& result);
 
   struct PendingReference {

@@ -49,6 +49,7 @@ struct TrackingHint {
 /// Immutable snapshot of the map that the tracker aligns to: mapper -> tracker.
 struct Reference {
   ReferenceId id;
+  std::int64_t mid_exposure_ns = 0;  // of its image [ns]
   SE3 T_map_reference;
   std::shared_ptr<const ImagePyramid> pyramid;
   Vector6 image_xi = Vector6::Zero();  // motion blur left in the image, 0 = sharp [m, rad]
