@@ -27,6 +27,10 @@ class Mapper::Impl {
     if (frame->reference.map_id != map_->id()) return stale(*frame);
     lost_since_ns_.reset();
     frames_without_reference_ = 0;
+    if (frame->provisional) {
+      store_.addFrame(*frame);
+      return {};
+    }
     return refine(frame);
   }
 

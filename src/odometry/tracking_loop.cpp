@@ -10,11 +10,13 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kMapperTime = 1.0;      // [s] frames wait for so much longer than the initialiser keeps them
-constexpr double kLongestHold = 0.3;     // [s] for a keyframe that was asked for
-constexpr double kRevisionNeed = 1.5;    // of a keyframe, 1 = the next sharp frame would do
-constexpr double kHoldingNeed = 4.0;     // the same
-constexpr int kFramesUntilKeyframe = 2;  // the mapper looks at one more frame before it makes a keyframe
+constexpr double kMapperTime = 1.0;          // [s] frames wait for so much longer than the initialiser keeps them
+constexpr double kLongestHold = 0.3;         // [s] for a keyframe that was asked for
+constexpr double kRevisionNeed = 1.5;        // of a keyframe, 1 = the next sharp frame would do
+constexpr double kProvisionalNeed = 2.0;     // the same
+constexpr double kHoldingNeed = 4.0;         // the same
+constexpr double kLongestProvisional = 0.5;  // [s]
+constexpr int kFramesUntilKeyframe = 2;      // the mapper looks at one more frame before it makes a keyframe
 
 double secondsBetween(const Frame& from, const Frame& to) {
   return 1e-9 * static_cast<double>(to.mid_exposure_ns - from.mid_exposure_ns);
@@ -41,7 +43,7 @@ class TrackingLoop::Impl {
 
   TrackedFrameConstPtr process(const FrameConstPtr& frame) {
     if (reference_ && lostFor(*frame) >= restart_after_lost_) reference_.reset();  // as the mapper does
-    if (reference_ && waiting_.empty()) return track(frame);
+    if (reference_ && waiting_.empty()) return track(frame, false);
     waiting_.push_back({frame, false});
     while (secondsBetween(*waiting_.front().frame, *frame) > longest_wait_) waiting_.pop_front();
     return untracked(frame, TrackingStatus::kInitializing,
@@ -66,6 +68,7 @@ class TrackingLoop::Impl {
     lost_since_ns_.reset();
     frames_since_request_ = 0;
     hold_since_ns_.reset();
+    provisional_since_ns_.reset();
     trackAgain(recent_.takeAfter(reference->mid_exposure_ns));
     return true;
   }
@@ -75,9 +78,9 @@ class TrackingLoop::Impl {
       waiting_.pop_front();
     }
     if (!reference_ || waiting_.empty() || (may_hold && holds())) return nullptr;
-    const FrameConstPtr frame = waiting_.front().frame;
+    const WaitingFrame next = waiting_.front();
     waiting_.pop_front();
-    return track(frame);
+    return track(next.frame, next.mapped);
   }
 
   std::size_t waitingFrames() const { return waiting_.size(); }
@@ -89,6 +92,7 @@ class TrackingLoop::Impl {
     lost_since_ns_.reset();
     frames_since_request_ = 0;
     hold_since_ns_.reset();
+    provisional_since_ns_.reset();
     T_odom_camera_ = SE3();
     T_odom_reference_ = SE3();
   }
@@ -100,7 +104,7 @@ class TrackingLoop::Impl {
  private:
   struct WaitingFrame {
     FrameConstPtr frame;
-    bool tracked;  // before, against an older reference
+    bool mapped;  // the mapper has used it
   };
 
   /// Goes back to the first of the frames, which are seen better by the reference that has just come.
@@ -109,25 +113,26 @@ class TrackingLoop::Impl {
     motion_ = frames.front().motion_before;
     brightness_ = frames.front().brightness_before;
     std::vector<WaitingFrame> again;
-    for (const RecentFrames::Entry& entry : frames) again.push_back({entry.frame, entry.tracked});
+    for (const RecentFrames::Entry& entry : frames) again.push_back({entry.frame, entry.mapped});
     waiting_.insert(waiting_.begin(), again.begin(), again.end());
   }
 
   /// True while waiting frames have to go on waiting for the keyframe that the last ones asked for. Measured in the
-  /// time of the frames, so that it does not depend on the machine. A frame that has a pose already waits for nothing.
+  /// time of the frames, so that it does not depend on the machine. A frame that is in the map already waits for
+  /// nothing.
   bool holds() {
-    if (waiting_.front().tracked || frames_since_request_ < kFramesUntilKeyframe || need_ < kHoldingNeed) return false;
+    if (waiting_.front().mapped || frames_since_request_ < kFramesUntilKeyframe || need_ < kHoldingNeed) return false;
     const std::int64_t newest_ns = waiting_.back().frame->mid_exposure_ns;
     if (!hold_since_ns_) hold_since_ns_ = newest_ns;
     return 1e-9 * static_cast<double>(newest_ns - *hold_since_ns_) < kLongestHold;
   }
 
-  TrackedFrameConstPtr track(const FrameConstPtr& frame) {
+  TrackedFrameConstPtr track(const FrameConstPtr& frame, bool mapped) {
     TrackingGuess guess(motion_.priorAt(frame->mid_exposure_ns),
                         frame->exposure.value_or(tracker_config_.unknown_exposure));
     guess.brightness = brightness_;
     auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
-    const RecentFrames::Entry entry = {frame, tracked->tracked(), motion_, brightness_};
+    RecentFrames::Entry entry = {frame, mapped, motion_, brightness_};
     if (!tracked->tracked()) {
       if (!lost_since_ns_) lost_since_ns_ = frame->mid_exposure_ns;
     } else {
@@ -135,12 +140,24 @@ class TrackingLoop::Impl {
       motion_.update(*tracked);
       brightness_ = tracked->brightness;
       T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
-      tracked->keyframe_requested = keyframe_policy_.takes(*reference_, tracked->measures, tracked->brightness);
-      if (tracked->keyframe_requested || frames_since_request_ > 0) ++frames_since_request_;
       need_ = keyframe_policy_.need(*reference_, tracked->measures, tracked->brightness);
+      tracked->keyframe_requested = keyframe_policy_.takes(*reference_, tracked->measures, tracked->brightness);
+      if (!mapped && (tracked->keyframe_requested || frames_since_request_ > 0)) ++frames_since_request_;
+      tracked->provisional = isProvisional(*frame);
+      entry.mapped = mapped || !tracked->provisional;
     }
     recent_.add(entry, !tracked->tracked() || need_ >= kRevisionNeed);
     return tracked;
+  }
+
+  /// Once the view of the reference is being left and the mapper has been asked for a keyframe, frames are provisional
+  /// until it is there; if that takes too long, they are not.
+  bool isProvisional(const Frame& frame) {
+    if (!provisional_since_ns_ && need_ >= kProvisionalNeed && frames_since_request_ > kFramesUntilKeyframe) {
+      provisional_since_ns_ = frame.mid_exposure_ns;
+    }
+    return provisional_since_ns_ &&
+           1e-9 * static_cast<double>(frame.mid_exposure_ns - *provisional_since_ns_) < kLongestProvisional;
   }
 
   double lostFor(const Frame& frame) const {  // [s]
@@ -162,11 +179,12 @@ class TrackingLoop::Impl {
   ReferenceConstPtr reference_;
   std::deque<WaitingFrame> waiting_;  // by time
   RecentFrames recent_;               // before those that wait
-  MotionState motion_;  // relative to reference_
+  MotionState motion_;                // relative to reference_
   std::optional<std::int64_t> lost_since_ns_;
   double need_ = 0.0;             // of a keyframe
   int frames_since_request_ = 0;  // that a keyframe was asked for, counting the asking one
   std::optional<std::int64_t> hold_since_ns_;
+  std::optional<std::int64_t> provisional_since_ns_;
   AffineBrightness brightness_;
   SE3 T_odom_camera_;
   SE3 T_odom_reference_;

@@ -14,7 +14,7 @@ class RecentFrames {
  public:
   struct Entry {
     FrameConstPtr frame;
-    bool tracked = false;
+    bool mapped = false;        // the mapper has used it
     MotionState motion_before;  // what its prior came from, relative to the reference in use
     AffineBrightness brightness_before;
   };

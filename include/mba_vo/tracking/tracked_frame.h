@@ -34,6 +34,7 @@ struct TrackedFrame {
   double inlier_fraction = 0.0;               // of the pixels, below the Huber threshold
   int points_used = 0;                        // patches
   bool keyframe_requested = false;
+  bool provisional = false;  // it will be tracked again, against a keyframe that it sees better: not for the map yet
   double tracking_ms = 0.0;
 
   bool tracked() const { return status == TrackingStatus::kTracking || status == TrackingStatus::kDegraded; }
