@@ -43,8 +43,8 @@ class TrackingLoop::Impl {
 
   TrackedFrameConstPtr process(const FrameConstPtr& frame) {
     if (reference_ && lostFor(*frame) >= restart_after_lost_) reference_.reset();  // as the mapper does
-    if (reference_ && waiting_.empty()) return track(frame, false);
-    waiting_.push_back({frame, false});
+    if (reference_ && waiting_.empty()) return track({frame, true, false});
+    waiting_.push_back({frame, false, false});
     while (secondsBetween(*waiting_.front().frame, *frame) > longest_wait_) waiting_.pop_front();
     return untracked(frame, TrackingStatus::kInitializing,
                      reference_ ? "earlier frames are still being tracked" : "no map yet");
@@ -80,7 +80,7 @@ class TrackingLoop::Impl {
     if (!reference_ || waiting_.empty() || (may_hold && holds())) return nullptr;
     const WaitingFrame next = waiting_.front();
     waiting_.pop_front();
-    return track(next.frame, next.mapped);
+    return track(next);
   }
 
   std::size_t waitingFrames() const { return waiting_.size(); }
@@ -104,7 +104,8 @@ class TrackingLoop::Impl {
  private:
   struct WaitingFrame {
     FrameConstPtr frame;
-    bool mapped;  // the mapper has used it
+    bool in_time;  // its first result came when the frame did
+    bool mapped;   // the mapper has used it
   };
 
   /// Goes back to the first of the frames, which are seen better by the reference that has just come.
@@ -113,26 +114,27 @@ class TrackingLoop::Impl {
     motion_ = frames.front().motion_before;
     brightness_ = frames.front().brightness_before;
     std::vector<WaitingFrame> again;
-    for (const RecentFrames::Entry& entry : frames) again.push_back({entry.frame, entry.mapped});
+    for (const RecentFrames::Entry& entry : frames) again.push_back({entry.frame, entry.in_time, entry.mapped});
     waiting_.insert(waiting_.begin(), again.begin(), again.end());
   }
 
   /// True while waiting frames have to go on waiting for the keyframe that the last ones asked for. Measured in the
-  /// time of the frames, so that it does not depend on the machine. A frame that is in the map already waits for
+  /// time of the frames, so that it does not depend on the machine. A frame that had its chance waits for
   /// nothing.
   bool holds() {
-    if (waiting_.front().mapped || frames_since_request_ < kFramesUntilKeyframe || need_ < kHoldingNeed) return false;
+    if (waiting_.front().in_time || frames_since_request_ < kFramesUntilKeyframe || need_ < kHoldingNeed) return false;
     const std::int64_t newest_ns = waiting_.back().frame->mid_exposure_ns;
     if (!hold_since_ns_) hold_since_ns_ = newest_ns;
     return 1e-9 * static_cast<double>(newest_ns - *hold_since_ns_) < kLongestHold;
   }
 
-  TrackedFrameConstPtr track(const FrameConstPtr& frame, bool mapped) {
+  TrackedFrameConstPtr track(const WaitingFrame& next) {
+    const FrameConstPtr& frame = next.frame;
     TrackingGuess guess(motion_.priorAt(frame->mid_exposure_ns),
                         frame->exposure.value_or(tracker_config_.unknown_exposure));
     guess.brightness = brightness_;
     auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
-    RecentFrames::Entry entry = {frame, mapped, motion_, brightness_};
+    RecentFrames::Entry entry = {frame, next.in_time, next.mapped, motion_, brightness_};
     if (!tracked->tracked()) {
       if (!lost_since_ns_) lost_since_ns_ = frame->mid_exposure_ns;
     } else {
@@ -142,9 +144,9 @@ class TrackingLoop::Impl {
       T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
       need_ = keyframe_policy_.need(*reference_, tracked->measures, tracked->brightness);
       tracked->keyframe_requested = keyframe_policy_.takes(*reference_, tracked->measures, tracked->brightness);
-      if (!mapped && (tracked->keyframe_requested || frames_since_request_ > 0)) ++frames_since_request_;
+      if (!next.mapped && (tracked->keyframe_requested || frames_since_request_ > 0)) ++frames_since_request_;
       tracked->provisional = isProvisional(*frame);
-      entry.mapped = mapped || !tracked->provisional;
+      entry.mapped = next.mapped || !tracked->provisional;
     }
     recent_.add(entry, !tracked->tracked() || need_ >= kRevisionNeed);
     return tracked;

@@ -14,6 +14,7 @@ class RecentFrames {
  public:
   struct Entry {
     FrameConstPtr frame;
+    bool in_time = false;       // its first result came when the frame did
     bool mapped = false;        // the mapper has used it
     MotionState motion_before;  // what its prior came from, relative to the reference in use
     AffineBrightness brightness_before;
