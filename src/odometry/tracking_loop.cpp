@@ -50,7 +50,7 @@ class TrackingLoop::Impl {
                      reference_ ? "earlier frames are still being tracked" : "no map yet");
   }
 
-  bool take(const ReferenceConstPtr& reference) {
+  bool take(const ReferenceConstPtr& reference, bool may_go_back) {
     if (reference_ && reference_->id.map_id == reference->id.map_id) {
       const SE3 T_new_old = T_newReference_oldReference(*reference);
       motion_.changeReference(T_new_old);
@@ -69,7 +69,8 @@ class TrackingLoop::Impl {
     frames_since_request_ = 0;
     hold_since_ns_.reset();
     provisional_since_ns_.reset();
-    trackAgain(recent_.takeAfter(reference->mid_exposure_ns));
+    const std::vector<RecentFrames::Entry> frames = recent_.takeAfter(reference->mid_exposure_ns);
+    if (may_go_back) trackAgain(frames);
     return true;
   }
 
@@ -195,7 +196,9 @@ class TrackingLoop::Impl {
 TrackingLoop::TrackingLoop(const OdometryConfig& config) : impl_(std::make_unique<Impl>(config)) {}
 TrackingLoop::~TrackingLoop() = default;
 TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame) { return impl_->process(frame); }
-bool TrackingLoop::take(const ReferenceConstPtr& reference) { return impl_->take(reference); }
+bool TrackingLoop::take(const ReferenceConstPtr& reference, bool may_go_back) {
+  return impl_->take(reference, may_go_back);
+}
 TrackedFrameConstPtr TrackingLoop::trackWaiting(bool may_hold) { return impl_->trackWaiting(may_hold); }
 std::size_t TrackingLoop::waitingFrames() const { return impl_->waitingFrames(); }
 void TrackingLoop::reset() { impl_->reset(); }

@@ -153,6 +153,60 @@ std::string loseFor(Mapper& mapper, double seconds, double tracker_gives_up_afte
   return messages;
 }
 
+/// Feeds `count` frames that see the reference badly, turned away by 0.1 rad more each; true if a keyframe comes of
+/// them.
+bool turnsIntoKeyframe(Mapper& mapper, const Initialised& initial, bool provisional, int count) {
+  bool keyframe = false;
+  for (int i = 0; i < count; ++i) {
+    Vector6 turn = Vector6::Zero();
+    turn(4) = 0.1 * (i + 1);
+    const FrameConstPtr& next = frames().at(static_cast<std::size_t>(initial.frames_used + i));
+    const auto tracked = report(next, TrackingStatus::kTracking, initial.output.reference->id, SE3::exp(turn));
+    auto copy = std::make_shared<TrackedFrame>(*tracked);
+    copy->provisional = provisional;
+    keyframe |= mapper.process(copy).keyframe.has_value();
+  }
+  return keyframe;
+}
+
+TEST(Mapper, AProvisionalFrameIsOnlyForTheTrajectory) {
+  Mapper mapper(config());
+  const Initialised initial = initialise(mapper);
+  ASSERT_NE(initial.output.reference, nullptr);
+  const std::size_t before = mapper.trajectory().size();
+  EXPECT_FALSE(turnsIntoKeyframe(mapper, initial, true, 3));
+  EXPECT_EQ(mapper.trajectory().size(), before + 3);
+  // Tracked again they come once more, for the map too.
+  EXPECT_TRUE(turnsIntoKeyframe(mapper, initial, false, 3));
+  EXPECT_EQ(mapper.trajectory().size(), before + 3);
+}
+
+TEST(Mapper, AFrameThatComesAgainGetsItsNewPoseOnly) {
+  Mapper mapper(config());
+  const Initialised initial = initialise(mapper);
+  ASSERT_NE(initial.output.reference, nullptr);
+  const FrameConstPtr& first = frames().at(static_cast<std::size_t>(initial.frames_used));
+  const FrameConstPtr& second = frames().at(static_cast<std::size_t>(initial.frames_used + 1));
+  const ReferenceId id = initial.output.reference->id;
+  mapper.process(report(first, TrackingStatus::kTracking, id));
+  mapper.process(report(second, TrackingStatus::kTracking, id));
+  Vector6 step = Vector6::Zero();
+  step(0) = 0.01;
+  mapper.process(report(first, TrackingStatus::kTracking, id, SE3::exp(step)));
+  const auto pose = [&](const FrameConstPtr& frame) {
+    for (const TrajectoryEntry& entry : mapper.trajectory()) {
+      if (entry.frame_sequence == frame->sequence) return entry.trajectory.T_reference_mid;
+    }
+    ADD_FAILURE() << "no pose";
+    return SE3();
+  };
+  EXPECT_NEAR(pose(first).translation().x(), 0.01, 1e-9);
+  EXPECT_NEAR(pose(second).translation().norm(), 0.0, 1e-9);
+  // In vain: what is there stays.
+  mapper.process(report(first, TrackingStatus::kLost));
+  EXPECT_NEAR(pose(first).translation().x(), 0.01, 1e-9);
+}
+
 TEST(Mapper, BeingLostForLongBeginsANewMapWithANewId) {
   Mapper mapper(config());
   ASSERT_NE(initialise(mapper).output.reference, nullptr);

@@ -64,6 +64,15 @@ FrameConstPtr blank(double seconds_later) {
                          view(kCount - 1).mid_exposure_ns + std::llround(1e9 * seconds_later), 0.02, 500);
 }
 
+/// Asks for keyframes early, so that a few frames are enough to leave a reference's view.
+OdometryConfig demanding() {
+  OdometryConfig config;
+  config.keyframe.flow_px = 5.0;
+  config.keyframe.parallax_px = 5.0;
+  config.keyframe.patience = 0.0;
+  return config;
+}
+
 TEST(TrackingLoop, FramesBeforeThereIsAMapAreInitializing) {
   TrackingLoop loop{OdometryConfig()};
   const TrackedFrameConstPtr tracked = loop.process(frame(0));
@@ -208,11 +217,7 @@ TEST(TrackingLoop, ResetForgetsReferenceAndWaitingFrames) {
 }
 
 TEST(TrackingLoop, WaitingFramesHoldForTheKeyframeTheyAskedFor) {
-  OdometryConfig config;
-  config.keyframe.flow_px = 5.0;
-  config.keyframe.parallax_px = 5.0;
-  config.keyframe.patience = 0.0;
-  TrackingLoop loop(config);
+  TrackingLoop loop(demanding());
   for (int i = 0; i <= 10; ++i) loop.process(frame(i));
   loop.take(makeReference(1, 0, 0, SE3(), 0));
   TrackedFrameConstPtr asking;
@@ -247,11 +252,63 @@ TEST(TrackingLoop, WaitingFramesHoldForTheKeyframeTheyAskedFor) {
   EXPECT_EQ(loop.waitingFrames(), 0U);
 }
 
+TEST(TrackingLoop, FramesThatSawTheirReferenceBadlyAreTrackedAgainAgainstTheNext) {
+  constexpr int kLast = 9;
+  constexpr int kKeyframe = 5;
+  TrackingLoop loop(demanding());
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  std::vector<TrackedFrameConstPtr> first;
+  for (int i = 1; i <= kLast; ++i) first.push_back(loop.process(frame(i)));
+  // The mapper gets a few frames to make the keyframe of, and the rest when they are seen better.
+  EXPECT_FALSE(first.front()->provisional);
+  EXPECT_TRUE(first.back()->provisional);
+  const SE3 odometry_before = loop.T_odom_camera();
+
+  auto next = makeReference(1, 1, kKeyframe, truth(0, kKeyframe));
+  next->T_map_keyframe[0] = SE3();
+  const auto late = adopt(loop, next);
+  ASSERT_EQ(late.size(), static_cast<std::size_t>(kLast - kKeyframe)) << "the frames after the reference's image";
+  for (int i = kKeyframe + 1; i <= kLast; ++i) {
+    const TrackedFrame& tracked = *late.at(static_cast<std::size_t>(i - kKeyframe - 1));
+    EXPECT_EQ(tracked.frame->sequence, view(i).id);
+    EXPECT_EQ(tracked.reference.keyframe_id, 1U);
+    EXPECT_EQ(tracked.status, TrackingStatus::kTracking) << tracked.reason;
+    EXPECT_LT(distance(tracked.trajectory.T_reference_mid, truth(kKeyframe, i)), kClose);
+  }
+  EXPECT_FALSE(late.front()->provisional);
+  EXPECT_LT(distance(loop.T_odom_camera(), odometry_before), 2 * kClose);
+  EXPECT_EQ(loop.process(frame(kLast + 1))->reference.keyframe_id, 1U);
+}
+
+TEST(TrackingLoop, WithoutTimeItDoesNotGoBack) {
+  TrackingLoop loop(demanding());
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  for (int i = 1; i <= 9; ++i) loop.process(frame(i));
+  auto next = makeReference(1, 1, 5, truth(0, 5));
+  next->T_map_keyframe[0] = SE3();
+  ASSERT_TRUE(loop.take(next, false));
+  EXPECT_EQ(loop.trackWaiting(), nullptr);
+  const TrackedFrameConstPtr tracked = loop.process(frame(10));
+  EXPECT_EQ(tracked->reference.keyframe_id, 1U);
+  EXPECT_LT(distance(tracked->trajectory.T_reference_mid, truth(5, 10)), kClose);
+}
+
+TEST(TrackingLoop, FramesAreNotProvisionalForever) {
+  TrackingLoop loop(demanding());
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  bool was_provisional = false;
+  for (int i = 1; i < kCount; ++i) was_provisional |= loop.process(frame(i))->provisional;
+  EXPECT_TRUE(was_provisional);
+  // The same view, much later: no keyframe came.
+  const SimulatedFrame& last = view(kCount - 1);
+  const TrackedFrameConstPtr tracked = loop.process(
+      test::makeFrame(test::toFloat(last.blurred), last.mid_exposure_ns + std::llround(0.6e9), last.exposure, 500));
+  ASSERT_TRUE(tracked->tracked()) << tracked->reason;
+  EXPECT_FALSE(tracked->provisional);
+}
+
 TEST(TrackingLoop, AsksForAKeyframeWhenTheViewHasChanged) {
-  OdometryConfig config;
-  config.keyframe.flow_px = 5.0;
-  config.keyframe.parallax_px = 5.0;
-  config.keyframe.patience = 0.0;
+  OdometryConfig config = demanding();
   TrackingLoop eager(config);
   adopt(eager, makeReference(1, 0, 0, SE3(), 0));
   bool asked = false;

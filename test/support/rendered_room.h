@@ -55,6 +55,7 @@ inline std::shared_ptr<Reference> makeReference(const SimulatedFrame& rendered, 
                                                 int points = 1200) {
   auto reference = std::make_shared<Reference>();
   reference->id = {1, 0, 0};
+  reference->mid_exposure_ns = rendered.mid_exposure_ns;
   reference->pyramid = std::make_shared<const ImagePyramid>(image, roomSimulator().camera(), 5);
   for (const Eigen::Vector2i& pixel : selectPoints(*reference->pyramid, points, {})) {
     const float inverse_depth = 1.0F / rendered.depth(pixel.y(), pixel.x());

@@ -20,8 +20,9 @@ class TrackingLoop {
   /// Takes a newer snapshot; the prior is re-expressed through the poses that came with it. False if it is of no use.
   /// The first snapshot of a map comes with a hint about a frame of the past: frames that came after it and were
   /// reported as INITIALIZING have waited to be tracked now, so that nothing has to be predicted over a long gap. With
-  /// later ones the frames wait that were lost, or saw the older reference badly, and come after the new one's image.
-  bool take(const ReferenceConstPtr& reference);
+  /// later ones the frames wait that were lost, or saw the older reference badly, and come after the new one's image;
+  /// unless it may not go back, for want of time.
+  bool take(const ReferenceConstPtr& reference, bool may_go_back = true);
   /// Tracks the oldest waiting frame: another, late result, for the mapper. To be called until null before the next
   /// frame is processed. Null if none waits, or, where they may, if they have to go on waiting for a little while:
   /// waiting frames pass faster than the mapper makes keyframes, so one that was asked for is waited for before the

@@ -66,9 +66,11 @@ class BoundedQueue {
     changed_.notify_all();
   }
 
-  bool empty() const {
+  bool empty() const { return size() == 0; }
+
+  std::size_t size() const {
     const std::lock_guard<std::mutex> lock(mutex_);
-    return items_.empty();
+    return items_.size();
   }
 
   std::size_t bytes() const {

@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kBytesPerMegabyte = 1e6;
 constexpr double kWarnPeriod = 5.0;  // [s]
+constexpr std::size_t kBacklog = 8;  // so many images wait: the tracker is behind
 
 }  // namespace
 
@@ -185,7 +186,8 @@ void TrackerWorker::adoptReferences() {
       status_.referenceStale();
       continue;
     }
-    if (loop_.take(message->reference)) {
+    const bool has_time = queue_.size() < kBacklog;
+    if (loop_.take(message->reference, has_time)) {
       status_.referenceAdopted(message->reference->id, message->summary.status);
     } else {
       status_.referenceStale();
