@@ -148,6 +148,7 @@ class Mapper::Impl {
     }
     const KeyframeReport report = map_->insertKeyframe(*candidate, motion_.xiOfMiddle(exposureOf(*candidate)));
     reference_ = map_->makeReference(map_->newestKeyframe());
+    store_.makeKeyframe(*candidate, reference_->id.map_id, reference_->id.keyframe_id);
     updateFirstKeyframe();
     return report;
   }

@@ -6,8 +6,16 @@ namespace mba_vo {
 
 void TrajectoryStore::addFrame(const TrackedFrame& tracked) {
   const Frame& frame = *tracked.frame;
-  frames_[frame.sequence] = {frame.stamp_ns, frame.mid_exposure_ns, tracked.reference.map_id,
-                             tracked.reference.keyframe_id, tracked.trajectory};
+  StoredFrame& stored = frames_[frame.sequence];
+  if (stored.is_keyframe) return;
+  stored = {frame.stamp_ns, frame.mid_exposure_ns, tracked.reference.map_id, tracked.reference.keyframe_id,
+            tracked.trajectory};
+}
+
+void TrajectoryStore::makeKeyframe(const TrackedFrame& tracked, MapId map, KeyframeId keyframe) {
+  const Frame& frame = *tracked.frame;
+  frames_[frame.sequence] = {frame.stamp_ns, frame.mid_exposure_ns, map, keyframe, tracked.trajectory, true};
+  frames_[frame.sequence].trajectory.T_reference_mid = SE3();
 }
 
 void TrajectoryStore::setKeyframePose(MapId map, KeyframeId keyframe, const SE3& T_map_keyframe) {

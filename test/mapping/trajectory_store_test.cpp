@@ -25,6 +25,25 @@ TrackedFrame trackedAt(std::uint64_t sequence, std::int64_t mid_ns, MapId map, K
 
 double distance(const SE3& a, const SE3& b) { return (a.inverse() * b).log().norm(); }
 
+TEST(TrajectoryStore, AKeyframeHasItsOwnPose) {
+  test::Random random(2);
+  const SE3 T_map_keyframe = random.pose(1.0, 1.0);
+  TrackedFrame tracked = trackedAt(7, 700, 1, 3, random.pose(0.2, 0.2));
+  tracked.trajectory.velocity = random.tangent(1.0, 1.0);
+  tracked.trajectory.exposure = 0.02;
+  TrajectoryStore store;
+  store.setKeyframePose(1, 3, SE3());
+  store.setKeyframePose(1, 4, T_map_keyframe);
+  store.addFrame(tracked);
+  store.makeKeyframe(tracked, 1, 4);
+  store.addFrame(tracked);  // tracked again
+  const auto entries = store.entries();
+  ASSERT_EQ(entries.size(), 1U);
+  EXPECT_LT(distance(entries[0].trajectory.T_reference_mid, T_map_keyframe), 1e-12);
+  EXPECT_LT((entries[0].trajectory.velocity - tracked.trajectory.velocity).norm(), 1e-12);
+  EXPECT_EQ(entries[0].trajectory.exposure, 0.02);
+}
+
 TEST(TrajectoryStore, ComposesFramesWithTheNewestPoseOfTheirKeyframe) {
   test::Random random(1);
   const SE3 old_pose = random.pose(1.0, 1.0);

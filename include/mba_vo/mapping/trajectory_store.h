@@ -22,8 +22,10 @@ struct TrajectoryEntry {
 /// trajectory is asked for.
 class TrajectoryStore {
  public:
-  /// Stores or replaces the pose of a tracked frame.
+  /// Stores or replaces the pose of a tracked frame; that of a keyframe stays.
   void addFrame(const TrackedFrame& tracked);
+  /// The frame has become this keyframe: its pose is the keyframe's from now on, its motion what the tracker found.
+  void makeKeyframe(const TrackedFrame& tracked, MapId map, KeyframeId keyframe);
   void setKeyframePose(MapId map, KeyframeId keyframe, const SE3& T_map_keyframe);
   SE3 T_map_keyframe(MapId map, KeyframeId keyframe) const;
 
@@ -37,6 +39,7 @@ class TrajectoryStore {
     MapId map_id;
     KeyframeId keyframe_id;
     ExposureTrajectory trajectory;  // relative to the keyframe
+    bool is_keyframe = false;
   };
   std::map<std::uint64_t, StoredFrame> frames_;  // by sequence number
   std::map<std::pair<MapId, KeyframeId>, SE3> T_map_keyframe_;
