@@ -35,6 +35,16 @@ MomentJacobian jacobianOf(const PatchPath& path, double gain, bool moving) {
   return J;
 }
 
+[[gnu::always_inline]] inline void addScatter(const double* __restrict gradient,
+                                              QuadraticModel::Arrays& __restrict out) {
+#pragma GCC unroll 1
+  for (int k = 0; k < kColumns; ++k) out.gradient[k] += gradient[k];
+  for (int state = 0; state < QuadraticModel::kStates; ++state) {
+#pragma GCC unroll 1
+    for (int k = 0; k < kColumns; ++k) out.scatter[state][k] += gradient[state] * gradient[k];
+  }
+}
+
 /// out.hessian += J^T M J, out.gradient -= J^T r, inlined into each of the versions below. The loops over columns are
 /// the ones to be vectorised; unrolled, the compiler would shuffle.
 template <bool Moving>
@@ -53,13 +63,15 @@ template <bool Moving>
       MJ[moment(i)][k] = sum;
     }
   }
+  alignas(64) double gradient[kColumns];
 #pragma GCC unroll 1
   for (int k = 0; k < kColumns; ++k) {
     double sum = 0.0;
 #pragma GCC unroll 8
     for (int j = 0; j < kRows; ++j) sum += residuals[moment(j)] * J.rows[moment(j)][k];
-    out.gradient[k] -= sum;
+    gradient[k] = -sum;
   }
+  addScatter(gradient, out);
   // Only the rows of J where a group of states is not zero.
   constexpr int kDepth = Moving ? 4 : 2;
   for (int state = 0; state < (Moving ? kGain : kXi); ++state) {
@@ -104,6 +116,14 @@ void QuadraticModel::copyTo(NormalEquations<kStates>& equations) const {
     equations.gradient(i) = arrays_.gradient[i];
     for (int j = i; j < kStates; ++j) equations.hessian(i, j) = equations.hessian(j, i) = arrays_.hessian[i][j];
   }
+}
+
+Eigen::Matrix<double, QuadraticModel::kStates, QuadraticModel::kStates> QuadraticModel::gradientScatter() const {
+  Eigen::Matrix<double, kStates, kStates> scatter;
+  for (int i = 0; i < kStates; ++i) {
+    for (int j = 0; j < kStates; ++j) scatter(i, j) = arrays_.scatter[i][j];
+  }
+  return scatter;
 }
 
 }  // namespace mba_vo

@@ -22,6 +22,7 @@ struct AlignmentState {
   Vector6 xi = Vector6::Zero();
   double a = 0.0;
   double b = 0.0;
+  Vector6 bend = Vector6::Zero();  // acceleration times the square of the exposure; given, not estimated
 };
 
 struct AlignmentOptions {
@@ -63,6 +64,11 @@ class AlignmentProblem {
 
   struct Equations : NormalEquations<kStates> {
     AlignmentStatistics statistics;
+    Eigen::Matrix<double, kStates, kStates> gradient_scatter;  // of patches and priors, each an observation of its own
+
+    /// Covariance of the state at the minimum, H^-1 S H^-1 with the scatter S of the gradients of independent
+    /// observations: what the pixels of a patch have in common, be it noise or errors of the model, counts as found.
+    Eigen::Matrix<double, kStates, kStates> covariance() const;
   };
   Equations linearize(const AlignmentState& state) const;
   bool refresh(const AlignmentState& state);
@@ -86,7 +92,7 @@ class AlignmentProblem {
   std::optional<Eigen::Vector2d> projectPoint(const ReferencePoint& point, const SE3& T_frame_reference) const;
   void addPatch(const Patch& patch, const PatchPathMaker& maker, const AlignmentState& state, QuadraticModel& model,
                 Sums& sums) const;
-  void addPriors(const AlignmentState& state, NormalEquations<kStates>& equations) const;
+  void addPriors(const AlignmentState& state, Equations& equations) const;
 
   const Reference& reference_;
   const std::vector<int>& points_;

@@ -15,11 +15,14 @@ class QuadraticModel {
   /// `gain`: e^a. `moving` false: xi is no state.
   void add(const PatchSums& sums, const PatchPath& path, double gain, bool moving);
   void copyTo(NormalEquations<kStates>& equations) const;
+  /// Sum of g g^T over the gradients g of the patches.
+  Eigen::Matrix<double, kStates, kStates> gradientScatter() const;
 
   static constexpr int kColumns = 16;  // states padded to whole vectors
   struct Arrays {
     alignas(64) double hessian[kStates][kColumns] = {};
     alignas(64) double gradient[kColumns] = {};
+    alignas(64) double scatter[kStates][kColumns] = {};  // of the gradients of single patches
   };
   double cost = 0.0;
 
