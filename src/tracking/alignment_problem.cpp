@@ -6,7 +6,6 @@
 
 #include "mba_vo/blur/commuted_blur.h"
 #include "mba_vo/tracking/patch_sums.h"
-#include "mba_vo/tracking/quadratic_model.h"
 
 namespace mba_vo {
 namespace {
@@ -152,31 +151,37 @@ void AlignmentProblem::addPriors(const AlignmentState& state, Equations& equatio
   const Eigen::Vector2d brightness_information(1.0 / (kBrightnessGainSigma * kBrightnessGainSigma),
                                                1.0 / (kBrightnessOffsetSigma * kBrightnessOffsetSigma));
   equations.addPrior<2>(12, Eigen::Vector2d(state.a, state.b), scale * brightness_information);
-  equations.gradient_scatter.diagonal().tail<2>() += scale * scale * brightness_information;
+  equations.prior_scatter.tail<2>() = scale * scale * brightness_information;
   if (!prior_) return;
   // Log(T_prior^-1 T Exp(d)) ~ Log(T_prior^-1 T) + d for the small deviations where the prior matters.
   const Vector6 deviation = (prior_->T_reference_mid.inverse() * state.T_reference_mid).log();
   equations.addPrior<6>(0, deviation, scale * prior_->pose_information);
   equations.addPrior<6>(6, state.xi - prior_->xi, scale * prior_->xi_information);
   // The gradient of a prior scatters by its weight times the deviation that it expects.
-  equations.gradient_scatter.diagonal().head<6>() += scale * scale * prior_->pose_information;
-  equations.gradient_scatter.diagonal().segment<6>(6) += scale * scale * prior_->xi_information;
+  equations.prior_scatter.head<6>() = scale * scale * prior_->pose_information;
+  equations.prior_scatter.segment<6>(6) = scale * scale * prior_->xi_information;
 }
 
 Eigen::Matrix<double, AlignmentProblem::kStates, AlignmentProblem::kStates> AlignmentProblem::Equations::covariance()
     const {
   const Eigen::Matrix<double, kStates, kStates> inverse = hessian.inverse();
-  return inverse * gradient_scatter * inverse;
+  Eigen::Matrix<double, kStates, kStates> scatter = prior_scatter.asDiagonal();
+  for (const QuadraticModel::PatchGradient& g : patch_gradients) {
+    const Eigen::Map<const Step> of_patch(g.data());
+    scatter += of_patch * of_patch.transpose();
+  }
+  return inverse * scatter * inverse;
 }
 
 AlignmentProblem::Equations AlignmentProblem::linearize(const AlignmentState& state) const {
-  QuadraticModel model;
+  QuadraticModel model(patches_.size());
   Sums sums;
-  const PatchPathMaker maker(reference_level_.camera, frame_level_.camera, {state.T_reference_mid, state.xi, 1.0, state.bend});
+  const PatchPathMaker maker(reference_level_.camera, frame_level_.camera,
+                             {state.T_reference_mid, state.xi, 1.0, state.bend});
   for (const Patch& patch : patches_) addPatch(patch, maker, state, model, sums);
   Equations equations;
   model.copyTo(equations);
-  equations.gradient_scatter = model.gradientScatter();
+  equations.patch_gradients = model.takePatchGradients();
   addPriors(state, equations);
   if (!options_.estimate_xi) equations.fix(6, 6);
   equations.statistics = sums.statistics();

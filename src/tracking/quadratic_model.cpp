@@ -35,21 +35,12 @@ MomentJacobian jacobianOf(const PatchPath& path, double gain, bool moving) {
   return J;
 }
 
-[[gnu::always_inline]] inline void addScatter(const double* __restrict gradient,
-                                              QuadraticModel::Arrays& __restrict out) {
-#pragma GCC unroll 1
-  for (int k = 0; k < kColumns; ++k) out.gradient[k] += gradient[k];
-  for (int state = 0; state < QuadraticModel::kStates; ++state) {
-#pragma GCC unroll 1
-    for (int k = 0; k < kColumns; ++k) out.scatter[state][k] += gradient[state] * gradient[k];
-  }
-}
-
-/// out.hessian += J^T M J, out.gradient -= J^T r, inlined into each of the versions below. The loops over columns are
-/// the ones to be vectorised; unrolled, the compiler would shuffle.
+/// out.hessian += J^T M J, gradient = -J^T r, out.gradient += gradient, inlined into each of the versions below. The
+/// loops over columns are the ones to be vectorised; unrolled, the compiler would shuffle.
 template <bool Moving>
 [[gnu::always_inline]] inline void addProducts(const double* __restrict moments, const double* __restrict residuals,
-                                               const MomentJacobian& J, QuadraticModel::Arrays& __restrict out) {
+                                               const MomentJacobian& J, double* __restrict gradient,
+                                               QuadraticModel::Arrays& __restrict out) {
   constexpr int kRows = Moving ? kMoments : 4;  // without motion, the moments in u are zero
   const auto moment = [](int row) { return Moving || row < 2 ? row : row + 4; };
   alignas(64) double MJ[kMoments][kColumns];
@@ -63,7 +54,6 @@ template <bool Moving>
       MJ[moment(i)][k] = sum;
     }
   }
-  alignas(64) double gradient[kColumns];
 #pragma GCC unroll 1
   for (int k = 0; k < kColumns; ++k) {
     double sum = 0.0;
@@ -71,7 +61,8 @@ template <bool Moving>
     for (int j = 0; j < kRows; ++j) sum += residuals[moment(j)] * J.rows[moment(j)][k];
     gradient[k] = -sum;
   }
-  addScatter(gradient, out);
+#pragma GCC unroll 1
+  for (int k = 0; k < kColumns; ++k) out.gradient[k] += gradient[k];
   // Only the rows of J where a group of states is not zero.
   constexpr int kDepth = Moving ? 4 : 2;
   for (int state = 0; state < (Moving ? kGain : kXi); ++state) {
@@ -93,21 +84,22 @@ template <bool Moving>
 
 MBA_VO_MULTIVERSION
 void addMoving(const double* __restrict moments, const double* __restrict residuals, const MomentJacobian& J,
-               QuadraticModel::Arrays& __restrict out) {
-  addProducts<true>(moments, residuals, J, out);
+               double* __restrict gradient, QuadraticModel::Arrays& __restrict out) {
+  addProducts<true>(moments, residuals, J, gradient, out);
 }
 
 MBA_VO_MULTIVERSION
 void addStill(const double* __restrict moments, const double* __restrict residuals, const MomentJacobian& J,
-              QuadraticModel::Arrays& __restrict out) {
-  addProducts<false>(moments, residuals, J, out);
+              double* __restrict gradient, QuadraticModel::Arrays& __restrict out) {
+  addProducts<false>(moments, residuals, J, gradient, out);
 }
 
 }  // namespace
 
 void QuadraticModel::add(const PatchSums& sums, const PatchPath& path, double gain, bool moving) {
   const MomentJacobian J = jacobianOf(path, gain, moving);
-  (moving ? addMoving : addStill)(sums.moments.data(), sums.residuals.data(), J, arrays_);
+  double* gradient = patch_gradients_.emplace_back().data();
+  (moving ? addMoving : addStill)(sums.moments.data(), sums.residuals.data(), J, gradient, arrays_);
 }
 
 void QuadraticModel::copyTo(NormalEquations<kStates>& equations) const {
@@ -116,14 +108,6 @@ void QuadraticModel::copyTo(NormalEquations<kStates>& equations) const {
     equations.gradient(i) = arrays_.gradient[i];
     for (int j = i; j < kStates; ++j) equations.hessian(i, j) = equations.hessian(j, i) = arrays_.hessian[i][j];
   }
-}
-
-Eigen::Matrix<double, QuadraticModel::kStates, QuadraticModel::kStates> QuadraticModel::gradientScatter() const {
-  Eigen::Matrix<double, kStates, kStates> scatter;
-  for (int i = 0; i < kStates; ++i) {
-    for (int j = 0; j < kStates; ++j) scatter(i, j) = arrays_.scatter[i][j];
-  }
-  return scatter;
 }
 
 }  // namespace mba_vo

@@ -13,15 +13,16 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kStartIterations = 6;          // spent on each alternative start on the coarsest level
-constexpr std::size_t kFinerStarts = 3;      // compared again on the next level
-constexpr double kSameBasin = 0.25;          // [px of the coarsest level] results nearer than this are one
-constexpr double kLeastBlurToSeed = 0.5;     // [px] shorter motion gives no direction to descend along
-constexpr double kObservableBlur = 3.0;      // [px] below it the covariance of xi means nothing
-constexpr double kCommonPoseError = 0.015;   // [px] std. deviation of what all patches have wrong alike, as
-constexpr double kCommonXiError = 0.12;      // interpolation does; found with bench/tracking_study
-constexpr double kImplausibleBlur = 0.25;    // of the image's width
-constexpr double kImplausibleLogGain = 1.6;  // contrast five times higher or lower than the reference's
+constexpr int kStartIterations = 6;           // spent on each alternative start on the coarsest level
+constexpr std::size_t kFinerStarts = 3;       // compared again on the next level
+constexpr double kSameBasin = 0.25;           // [px of the coarsest level] results nearer than this are one
+constexpr double kLeastBlurToSeed = 0.5;      // [px] shorter motion gives no direction to descend along
+constexpr double kObservableBlur = 3.0;       // [px] below it the covariance of xi means nothing
+constexpr double kCommonPoseError = 0.015;    // [px] std. deviation of what all patches have wrong alike, as
+constexpr double kCommonXiError = 0.12;       // interpolation does; found with bench/tracking_study
+constexpr double kLargestAcceleration = 3.0;  // standard deviations of the motion prior
+constexpr double kImplausibleBlur = 0.25;     // of the image's width
+constexpr double kImplausibleLogGain = 1.6;   // contrast five times higher or lower than the reference's
 
 /// Coarse levels see less detail per patch, and 9x9 pixels there span too much depth.
 int patchSide(int level) { return level <= 1 ? 9 : 7; }
@@ -99,7 +100,12 @@ Vector6 Tracker::bendFor(const Job& job, const AlignmentState& state) const {
   const double exposure = job.guess.trajectory.exposure;
   // Without the true exposure, the motion within it and that between the frames cannot be compared.
   if (!motion || motion->dt == 0.0 || !job.frame.exposure || exposure <= 0.0) return Vector6::Zero();
-  return motion->bend(state.T_reference_mid, state.xi, exposure);
+  const double limit = kLargestAcceleration * exposure * exposure;
+  const Vector6 bend = motion->bend(state.T_reference_mid, state.xi, exposure);
+  Vector6 largest;
+  largest.head<3>().setConstant(limit * config_.motion_prior.linear_acceleration * job.median_depth);
+  largest.tail<3>().setConstant(limit * config_.motion_prior.angular_acceleration);
+  return bend.cwiseMax(-largest).cwiseMin(largest);
 }
 
 Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentState& initial,

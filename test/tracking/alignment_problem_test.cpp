@@ -146,13 +146,12 @@ TEST(AlignmentProblem, CovarianceIsThatOfTheMinimumUnderErrorsThatPatchesShare) 
   Eigen::Matrix<double, kStates, 1> actual = Eigen::Matrix<double, kStates, 1>::Zero();
   for (int trial = 0; trial < kTrials; ++trial) {
     AlignmentProblem::Equations equations;
-    equations.gradient_scatter.setZero();
     for (const auto& J : derivatives) {
       constexpr double kPixels = 20.0;  // all with the same derivative and the same error
       const Eigen::Matrix<double, kStates, 1> gradient = kPixels * normal(generator) * J;
       equations.hessian += kPixels * J * J.transpose();
       equations.gradient += gradient;
-      equations.gradient_scatter += gradient * gradient.transpose();
+      Eigen::Map<Eigen::Matrix<double, kStates, 1>>(equations.patch_gradients.emplace_back().data()) = gradient;
     }
     const Eigen::Matrix<double, kStates, 1> error = equations.hessian.ldlt().solve(equations.gradient);
     actual += error.cwiseAbs2() / kTrials;

@@ -9,11 +9,10 @@
 #include "mba_vo/solver/normal_equations.h"
 #include "mba_vo/solver/robust_loss.h"
 #include "mba_vo/tracking/motion_prior.h"
+#include "mba_vo/tracking/quadratic_model.h"
 #include "mba_vo/tracking/reference.h"
 
 namespace mba_vo {
-
-class QuadraticModel;
 
 /// What alignment estimates: mid pose, motion within the exposure, brightness of the frame relative to the reference
 /// (frame = exp(a) reference + b).
@@ -64,10 +63,12 @@ class AlignmentProblem {
 
   struct Equations : NormalEquations<kStates> {
     AlignmentStatistics statistics;
-    Eigen::Matrix<double, kStates, kStates> gradient_scatter;  // of patches and priors, each an observation of its own
+    std::vector<QuadraticModel::PatchGradient> patch_gradients;
+    Step prior_scatter = Step::Zero();  // variance of the gradients of the priors, whose states are independent
 
-    /// Covariance of the state at the minimum, H^-1 S H^-1 with the scatter S of the gradients of independent
-    /// observations: what the pixels of a patch have in common, be it noise or errors of the model, counts as found.
+    /// Covariance of the state at the minimum, H^-1 S H^-1 with the scatter S of the gradients of patches and priors,
+    /// each an observation of its own: what the pixels of a patch have in common, be it noise or errors of the model,
+    /// counts as found.
     Eigen::Matrix<double, kStates, kStates> covariance() const;
   };
   Equations linearize(const AlignmentState& state) const;

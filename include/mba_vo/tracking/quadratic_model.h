@@ -1,5 +1,10 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
 #include "mba_vo/blur/patch_path.h"
 #include "mba_vo/solver/normal_equations.h"
 #include "mba_vo/tracking/patch_sums.h"
@@ -11,23 +16,26 @@ namespace mba_vo {
 class QuadraticModel {
  public:
   static constexpr int kStates = 14;
+  static constexpr int kColumns = 16;  // states padded to whole vectors
+  using PatchGradient = std::array<double, kColumns>;
+
+  explicit QuadraticModel(std::size_t patches) { patch_gradients_.reserve(patches); }
 
   /// `gain`: e^a. `moving` false: xi is no state.
   void add(const PatchSums& sums, const PatchPath& path, double gain, bool moving);
   void copyTo(NormalEquations<kStates>& equations) const;
-  /// Sum of g g^T over the gradients g of the patches.
-  Eigen::Matrix<double, kStates, kStates> gradientScatter() const;
+  /// What each patch added to the gradient, padded with zeros.
+  std::vector<PatchGradient> takePatchGradients() { return std::move(patch_gradients_); }
 
-  static constexpr int kColumns = 16;  // states padded to whole vectors
   struct Arrays {
     alignas(64) double hessian[kStates][kColumns] = {};
     alignas(64) double gradient[kColumns] = {};
-    alignas(64) double scatter[kStates][kColumns] = {};  // of the gradients of single patches
   };
   double cost = 0.0;
 
  private:
   Arrays arrays_;
+  std::vector<PatchGradient> patch_gradients_;
 };
 
 }  // namespace mba_vo
