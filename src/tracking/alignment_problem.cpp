@@ -174,7 +174,7 @@ Eigen::Matrix<double, AlignmentProblem::kStates, AlignmentProblem::kStates> Alig
 }
 
 AlignmentProblem::Equations AlignmentProblem::linearize(const AlignmentState& state) const {
-  QuadraticModel model(patches_.size());
+  QuadraticModel model(options_.with_covariance ? patches_.size() : 0);
   Sums sums;
   const PatchPathMaker maker(reference_level_.camera, frame_level_.camera,
                              {state.T_reference_mid, state.xi, 1.0, state.bend});

@@ -96,10 +96,13 @@ void addStill(const double* __restrict moments, const double* __restrict residua
 
 }  // namespace
 
+QuadraticModel::PatchGradient& QuadraticModel::placeForGradient() {
+  return patch_gradients_.size() < patch_gradients_.capacity() ? patch_gradients_.emplace_back() : not_kept_;
+}
+
 void QuadraticModel::add(const PatchSums& sums, const PatchPath& path, double gain, bool moving) {
   const MomentJacobian J = jacobianOf(path, gain, moving);
-  double* gradient = patch_gradients_.emplace_back().data();
-  (moving ? addMoving : addStill)(sums.moments.data(), sums.residuals.data(), J, gradient, arrays_);
+  (moving ? addMoving : addStill)(sums.moments.data(), sums.residuals.data(), J, placeForGradient().data(), arrays_);
 }
 
 void QuadraticModel::copyTo(NormalEquations<kStates>& equations) const {

@@ -116,6 +116,7 @@ Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentSt
   options.sample_spacing_px = config_.sample_spacing_px;
   options.max_samples = config_.max_samples;
   options.estimate_xi = job.guess.trajectory.exposure > 0.0;
+  options.with_covariance = level == 0;
   AlignmentProblem problem(job.reference, job.points[static_cast<std::size_t>(level)], job.frame, level, pattern,
                            options, priorFor(job, initial), initial);
   LevenbergMarquardtOptions lm;

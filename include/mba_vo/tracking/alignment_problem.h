@@ -29,6 +29,7 @@ struct AlignmentOptions {
   double sample_spacing_px = 1.25;
   int max_samples = 64;
   bool estimate_xi = true;       // false: the exposure is instantaneous, xi stays zero
+  bool with_covariance = false;  // keep what it needs
   double residual_sigma = 20.0;  // [grey levels] weight of the priors against the pixels, correlation included
   double depth_noise = 3.0;      // [grey levels] pixel noise that the effect of depth uncertainty is compared with
 };
@@ -63,7 +64,7 @@ class AlignmentProblem {
 
   struct Equations : NormalEquations<kStates> {
     AlignmentStatistics statistics;
-    std::vector<QuadraticModel::PatchGradient> patch_gradients;
+    std::vector<QuadraticModel::PatchGradient> patch_gradients;  // empty unless the covariance was asked for
     Step prior_scatter = Step::Zero();  // variance of the gradients of the priors, whose states are independent
 
     /// Covariance of the state at the minimum, H^-1 S H^-1 with the scatter S of the gradients of patches and priors,

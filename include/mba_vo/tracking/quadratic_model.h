@@ -19,12 +19,13 @@ class QuadraticModel {
   static constexpr int kColumns = 16;  // states padded to whole vectors
   using PatchGradient = std::array<double, kColumns>;
 
-  explicit QuadraticModel(std::size_t patches) { patch_gradients_.reserve(patches); }
+  /// Keeps the gradients of so many patches one by one.
+  explicit QuadraticModel(std::size_t kept_gradients = 0) { patch_gradients_.reserve(kept_gradients); }
 
   /// `gain`: e^a. `moving` false: xi is no state.
   void add(const PatchSums& sums, const PatchPath& path, double gain, bool moving);
   void copyTo(NormalEquations<kStates>& equations) const;
-  /// What each patch added to the gradient, padded with zeros.
+  /// What each of the first patches added to the gradient, padded with zeros.
   std::vector<PatchGradient> takePatchGradients() { return std::move(patch_gradients_); }
 
   struct Arrays {
@@ -34,7 +35,10 @@ class QuadraticModel {
   double cost = 0.0;
 
  private:
+  PatchGradient& placeForGradient();
+
   Arrays arrays_;
+  PatchGradient not_kept_{};
   std::vector<PatchGradient> patch_gradients_;
 };
 
