@@ -8,3 +8,8 @@ target_link_libraries(tracking_benchmark PRIVATE mba_vo_tracking mba_vo_simulati
 add_executable(initializer_study bench/initializer_study.cpp)
 mba_vo_options(initializer_study)
 target_link_libraries(initializer_study PRIVATE mba_vo_mapping opencv_imgcodecs)
+
+file(GLOB tracking_study_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/bench/tracking_study/*.cpp)
+add_executable(tracking_study ${tracking_study_sources})
+mba_vo_options(tracking_study)
+target_link_libraries(tracking_study PRIVATE mba_vo_tracking mba_vo_simulation)

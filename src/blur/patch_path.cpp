@@ -86,7 +86,8 @@ PixelTransfer transferPixel(const PinholeCamera& reference_camera, const Pinhole
 float PatchPath::length() const { return c1.norm(); }
 
 PatchPathMaker::Moment PatchPathMaker::momentAt(const ExposureTrajectory& trajectory, double u) {
-  const Vector6 motion = u * trajectory.xi();
+  const double t = u * trajectory.exposure;
+  const Vector6 motion = t * trajectory.velocity + 0.5 * t * t * trajectory.acceleration;
   const SE3 T = trajectory.T_reference_mid * SE3::exp(motion);
   return {T.rotationMatrix(), T.translation(), rightJacobian(motion)};
 }
@@ -124,7 +125,7 @@ bool PatchPathMaker::make(const Eigen::Vector2d& pixel, double inverse_depth, Pa
   path.c2 = (2.0 * (start.pixel + end.pixel) - 4.0 * mid.pixel).cast<float>();
   path.J_inverse_depth[1] = depthJacobian(end, inverse_depth) - depthJacobian(start, inverse_depth);
   path.J_pose[1] = midPoseJacobian(end.J_shift, end.P) - midPoseJacobian(start.J_shift, start.P);
-  // An increment epsilon of xi moves the pose at u by u J_r(u xi) epsilon.
+  // An increment epsilon of xi moves the pose at u by u J_r(motion until u) epsilon.
   const Matrix23 J_start = start.J_shift.lazyProduct(start_.R);
   const Matrix23 J_end = end.J_shift.lazyProduct(end_.R);
   path.A1 = warpJacobian(camera_, J_end, end.s) - warpJacobian(camera_, J_start, start.s);

@@ -1,11 +1,11 @@
 #include "mba_vo/tracking/alignment_problem.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "mba_vo/blur/commuted_blur.h"
 #include "mba_vo/tracking/patch_sums.h"
-#include "mba_vo/tracking/quadratic_model.h"
 
 namespace mba_vo {
 namespace {
@@ -105,7 +105,7 @@ bool AlignmentProblem::refresh(const AlignmentState& state) {
 
 AlignmentState AlignmentProblem::plus(const AlignmentState& state, const Step& step) {
   return {state.T_reference_mid * SE3::exp(step.head<6>()), state.xi + step.segment<6>(6), state.a + step(12),
-          state.b + step(13)};
+          state.b + step(13), state.bend};
 }
 
 double AlignmentProblem::stepSize(const Step& step) const {
@@ -146,25 +146,42 @@ void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker,
   model.cost += patch_sums.cost;
 }
 
-void AlignmentProblem::addPriors(const AlignmentState& state, NormalEquations<kStates>& equations) const {
+void AlignmentProblem::addPriors(const AlignmentState& state, Equations& equations) const {
   const double scale = options_.residual_sigma * options_.residual_sigma;
   const Eigen::Vector2d brightness_information(1.0 / (kBrightnessGainSigma * kBrightnessGainSigma),
                                                1.0 / (kBrightnessOffsetSigma * kBrightnessOffsetSigma));
   equations.addPrior<2>(12, Eigen::Vector2d(state.a, state.b), scale * brightness_information);
+  equations.prior_scatter.tail<2>() = scale * scale * brightness_information;
   if (!prior_) return;
   // Log(T_prior^-1 T Exp(d)) ~ Log(T_prior^-1 T) + d for the small deviations where the prior matters.
   const Vector6 deviation = (prior_->T_reference_mid.inverse() * state.T_reference_mid).log();
   equations.addPrior<6>(0, deviation, scale * prior_->pose_information);
   equations.addPrior<6>(6, state.xi - prior_->xi, scale * prior_->xi_information);
+  // The gradient of a prior scatters by its weight times the deviation that it expects.
+  equations.prior_scatter.head<6>() = scale * scale * prior_->pose_information;
+  equations.prior_scatter.segment<6>(6) = scale * scale * prior_->xi_information;
+}
+
+Eigen::Matrix<double, AlignmentProblem::kStates, AlignmentProblem::kStates> AlignmentProblem::Equations::covariance()
+    const {
+  const Eigen::Matrix<double, kStates, kStates> inverse = hessian.inverse();
+  Eigen::Matrix<double, kStates, kStates> scatter = prior_scatter.asDiagonal();
+  for (const QuadraticModel::PatchGradient& g : patch_gradients) {
+    const Eigen::Map<const Step> of_patch(g.data());
+    scatter += of_patch * of_patch.transpose();
+  }
+  return inverse * scatter * inverse;
 }
 
 AlignmentProblem::Equations AlignmentProblem::linearize(const AlignmentState& state) const {
-  QuadraticModel model;
+  QuadraticModel model(options_.with_covariance ? patches_.size() : 0);
   Sums sums;
-  const PatchPathMaker maker(reference_level_.camera, frame_level_.camera, {state.T_reference_mid, state.xi, 1.0});
+  const PatchPathMaker maker(reference_level_.camera, frame_level_.camera,
+                             {state.T_reference_mid, state.xi, 1.0, state.bend});
   for (const Patch& patch : patches_) addPatch(patch, maker, state, model, sums);
   Equations equations;
   model.copyTo(equations);
+  equations.patch_gradients = model.takePatchGradients();
   addPriors(state, equations);
   if (!options_.estimate_xi) equations.fix(6, 6);
   equations.statistics = sums.statistics();

@@ -30,6 +30,11 @@ Vector6 MotionPrior::expectedXi(const SE3& T_reference_mid, double exposure) con
   return exposure * (2.0 * mean_velocity - previous.velocity);
 }
 
+Vector6 MotionPrior::bend(const SE3& T_reference_mid, const Vector6& xi, double exposure) const {
+  const Vector6 mean_velocity = (previous.T_reference_mid.inverse() * T_reference_mid).log() / dt;
+  return 2.0 * exposure / dt * (xi - exposure * mean_velocity);
+}
+
 Vector6 MotionPrior::poseInformation(const MotionPriorConfig& config, double median_depth) const {
   const double half_dt2 = 0.5 * dt * dt;
   return informationOf(half_dt2 * config.linear_acceleration * median_depth, half_dt2 * config.angular_acceleration);

@@ -35,11 +35,12 @@ MomentJacobian jacobianOf(const PatchPath& path, double gain, bool moving) {
   return J;
 }
 
-/// out.hessian += J^T M J, out.gradient -= J^T r, inlined into each of the versions below. The loops over columns are
-/// the ones to be vectorised; unrolled, the compiler would shuffle.
+/// out.hessian += J^T M J, gradient = -J^T r, out.gradient += gradient, inlined into each of the versions below. The
+/// loops over columns are the ones to be vectorised; unrolled, the compiler would shuffle.
 template <bool Moving>
 [[gnu::always_inline]] inline void addProducts(const double* __restrict moments, const double* __restrict residuals,
-                                               const MomentJacobian& J, QuadraticModel::Arrays& __restrict out) {
+                                               const MomentJacobian& J, double* __restrict gradient,
+                                               QuadraticModel::Arrays& __restrict out) {
   constexpr int kRows = Moving ? kMoments : 4;  // without motion, the moments in u are zero
   const auto moment = [](int row) { return Moving || row < 2 ? row : row + 4; };
   alignas(64) double MJ[kMoments][kColumns];
@@ -58,8 +59,10 @@ template <bool Moving>
     double sum = 0.0;
 #pragma GCC unroll 8
     for (int j = 0; j < kRows; ++j) sum += residuals[moment(j)] * J.rows[moment(j)][k];
-    out.gradient[k] -= sum;
+    gradient[k] = -sum;
   }
+#pragma GCC unroll 1
+  for (int k = 0; k < kColumns; ++k) out.gradient[k] += gradient[k];
   // Only the rows of J where a group of states is not zero.
   constexpr int kDepth = Moving ? 4 : 2;
   for (int state = 0; state < (Moving ? kGain : kXi); ++state) {
@@ -81,21 +84,25 @@ template <bool Moving>
 
 MBA_VO_MULTIVERSION
 void addMoving(const double* __restrict moments, const double* __restrict residuals, const MomentJacobian& J,
-               QuadraticModel::Arrays& __restrict out) {
-  addProducts<true>(moments, residuals, J, out);
+               double* __restrict gradient, QuadraticModel::Arrays& __restrict out) {
+  addProducts<true>(moments, residuals, J, gradient, out);
 }
 
 MBA_VO_MULTIVERSION
 void addStill(const double* __restrict moments, const double* __restrict residuals, const MomentJacobian& J,
-              QuadraticModel::Arrays& __restrict out) {
-  addProducts<false>(moments, residuals, J, out);
+              double* __restrict gradient, QuadraticModel::Arrays& __restrict out) {
+  addProducts<false>(moments, residuals, J, gradient, out);
 }
 
 }  // namespace
 
+QuadraticModel::PatchGradient& QuadraticModel::placeForGradient() {
+  return patch_gradients_.size() < patch_gradients_.capacity() ? patch_gradients_.emplace_back() : not_kept_;
+}
+
 void QuadraticModel::add(const PatchSums& sums, const PatchPath& path, double gain, bool moving) {
   const MomentJacobian J = jacobianOf(path, gain, moving);
-  (moving ? addMoving : addStill)(sums.moments.data(), sums.residuals.data(), J, arrays_);
+  (moving ? addMoving : addStill)(sums.moments.data(), sums.residuals.data(), J, placeForGradient().data(), arrays_);
 }
 
 void QuadraticModel::copyTo(NormalEquations<kStates>& equations) const {

@@ -1,6 +1,5 @@
 #include "mba_vo/tracking/tracker.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -14,14 +13,16 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kStartIterations = 6;          // spent on each alternative start on the coarsest level
-constexpr std::size_t kFinerStarts = 3;      // compared again on the next level
-constexpr double kSameBasin = 0.25;          // [px of the coarsest level] results nearer than this are one
-constexpr double kLeastBlurToSeed = 0.5;     // [px] shorter motion gives no direction to descend along
-constexpr double kObservableBlur = 3.0;      // [px] below it the covariance of xi means nothing
-constexpr double kImplausibleBlur = 0.25;    // of the image's width
-constexpr double kImplausibleLogGain = 1.6;  // contrast five times higher or lower than the reference's
-constexpr double kCorrelatedPixels = 20.0;   // pixels per independent observation: model errors are shared in a patch
+constexpr int kStartIterations = 6;           // spent on each alternative start on the coarsest level
+constexpr std::size_t kFinerStarts = 3;       // compared again on the next level
+constexpr double kSameBasin = 0.25;           // [px of the coarsest level] results nearer than this are one
+constexpr double kLeastBlurToSeed = 0.5;      // [px] shorter motion gives no direction to descend along
+constexpr double kObservableBlur = 3.0;       // [px] below it the covariance of xi means nothing
+constexpr double kCommonPoseError = 0.015;    // [px] std. deviation of what all patches have wrong alike, as
+constexpr double kCommonXiError = 0.12;       // interpolation does; found with bench/tracking_study
+constexpr double kLargestAcceleration = 3.0;  // standard deviations of the motion prior
+constexpr double kImplausibleBlur = 0.25;     // of the image's width
+constexpr double kImplausibleLogGain = 1.6;   // contrast five times higher or lower than the reference's
 
 /// Coarse levels see less detail per patch, and 9x9 pixels there span too much depth.
 int patchSide(int level) { return level <= 1 ? 9 : 7; }
@@ -94,6 +95,19 @@ std::optional<AlignmentPrior> Tracker::priorFor(const Job& job, const AlignmentS
   return prior;
 }
 
+Vector6 Tracker::bendFor(const Job& job, const AlignmentState& state) const {
+  const auto& motion = job.guess.motion;
+  const double exposure = job.guess.trajectory.exposure;
+  // Without the true exposure, the motion within it and that between the frames cannot be compared.
+  if (!motion || motion->dt == 0.0 || !job.frame.exposure || exposure <= 0.0) return Vector6::Zero();
+  const double limit = kLargestAcceleration * exposure * exposure;
+  const Vector6 bend = motion->bend(state.T_reference_mid, state.xi, exposure);
+  Vector6 largest;
+  largest.head<3>().setConstant(limit * config_.motion_prior.linear_acceleration * job.median_depth);
+  largest.tail<3>().setConstant(limit * config_.motion_prior.angular_acceleration);
+  return bend.cwiseMax(-largest).cwiseMin(largest);
+}
+
 Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentState& initial,
                                     int max_iterations) const {
   const PatchPattern pattern = PatchPattern::square(patchSide(level));
@@ -102,6 +116,7 @@ Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentSt
   options.sample_spacing_px = config_.sample_spacing_px;
   options.max_samples = config_.max_samples;
   options.estimate_xi = job.guess.trajectory.exposure > 0.0;
+  options.with_covariance = level == 0;
   AlignmentProblem problem(job.reference, job.points[static_cast<std::size_t>(level)], job.frame, level, pattern,
                            options, priorFor(job, initial), initial);
   LevenbergMarquardtOptions lm;
@@ -162,9 +177,33 @@ Tracker::LevelResult Tracker::preferExpectedDirection(const Job& job, const Leve
   if (xi.dot(prior->xi_information.cwiseProduct(prior->xi)) >= 0.0) return result;
   AlignmentState reversed = result.minimum.state;
   reversed.xi = -xi;
+  reversed.bend = bendFor(job, reversed);
   const LevelResult other = align(job, 0, reversed, config_.max_iterations);
   const bool same_data = other.patches >= result.patches - result.patches / 20;
   return same_data && other.meanCost() < result.meanCost() ? other : result;
+}
+
+Matrix12 Tracker::covarianceOf(const Job& job, const LevelResult& result) const {
+  Matrix12 covariance = result.minimum.equations.covariance().topLeftCorner<12, 12>();
+  // No patch tells what is wrong in all of them, nor how much the acceleration differs from what was taken for it. A
+  // bend shifts the mean of the exposure by 1/24.
+  const double fx = job.reference.pyramid->level(0).camera.fx;
+  const double exposure = job.guess.trajectory.exposure;
+  const double shift = exposure * exposure / 24.0;
+  const auto variance = [&](double common, double unknown_shift, double unit) {
+    const double error = common * unit / fx;
+    return error * error + unknown_shift * unknown_shift;
+  };
+  const MotionPriorConfig& prior = config_.motion_prior;
+  auto diagonal = covariance.diagonal();
+  diagonal.segment<3>(0).array() +=
+      variance(kCommonPoseError, shift * prior.linear_acceleration * job.median_depth, job.median_depth);
+  diagonal.segment<3>(3).array() += variance(kCommonPoseError, shift * prior.angular_acceleration, 1.0);
+  if (exposure > 0.0) {
+    diagonal.segment<3>(6).array() += variance(kCommonXiError, 0.0, job.median_depth);
+    diagonal.segment<3>(9).array() += variance(kCommonXiError, 0.0, 1.0);
+  }
+  return covariance;
 }
 
 void Tracker::judge(double log_gain, TrackedFrame& tracked) const {
@@ -195,6 +234,7 @@ TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& fra
   AlignmentState state = bestStart(job, levels - 1);
   LevelResult result{};
   for (int level = std::max(levels - 2, 0); level >= 0; --level) {
+    state.bend = bendFor(job, state);
     result = align(job, level, state, config_.max_iterations);
     state = result.minimum.state;
   }
@@ -207,6 +247,7 @@ TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& fra
   const double exposure = guess.trajectory.exposure;
   tracked.trajectory = {state.T_reference_mid,
                         exposure > 0.0 ? Vector6(state.xi / exposure) : guess.trajectory.velocity, exposure};
+  if (exposure > 0.0) tracked.trajectory.acceleration = state.bend / (exposure * exposure);
   tracked.brightness.a = reference.brightness.a + state.a;
   tracked.brightness.b = state.b + std::exp(state.a) * reference.brightness.b;
   const AlignmentStatistics& statistics = result.minimum.equations.statistics;
@@ -215,9 +256,7 @@ TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& fra
   tracked.inlier_fraction = statistics.inlier_fraction;
   tracked.measures = measureFrame(reference, tracked.trajectory);
   tracked.xi_prior_limited = tracked.measures.blur_length_px < kObservableBlur;
-  const double variance = kCorrelatedPixels * tracked.residual_rms * tracked.residual_rms;
-  const Eigen::Matrix<double, 14, 14> covariance = variance * result.minimum.equations.hessian.inverse();
-  tracked.covariance = covariance.topLeftCorner<12, 12>();
+  tracked.covariance = covarianceOf(job, result);
   judge(state.a, tracked);
   tracked.tracking_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return tracked;

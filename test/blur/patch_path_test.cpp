@@ -33,6 +33,7 @@ struct Case {
 Case randomCase(test::Random& random, double blur_rotation) {
   Case c;
   c.trajectory = {random.pose(0.2, 0.2), random.tangent(0.5 * blur_rotation, blur_rotation) / 0.02, 0.02};
+  c.trajectory.acceleration = random.tangent(0.1 * blur_rotation, 0.2 * blur_rotation) / (0.02 * 0.02);
   c.pixel = {random.uniform(50, 700), random.uniform(50, 430)};
   c.inverse_depth = random.uniform(0.2, 1.5);
   return c;
@@ -102,7 +103,9 @@ TEST(PatchPath, JacobiansOfTheMovingPose) {
     PatchPath path;
     ASSERT_TRUE(makePatchPath(kCamera, kCamera, c.trajectory, c.pixel, c.inverse_depth, path));
     const auto position = [&](const Vector6& delta, const Vector6& epsilon, double depth_change, double u) {
-      const SE3 T = c.trajectory.T_reference_mid * SE3::exp(delta) * SE3::exp(u * (c.trajectory.xi() + epsilon));
+      const double t = u * c.trajectory.exposure;
+      const Vector6 motion = u * (c.trajectory.xi() + epsilon) + 0.5 * t * t * c.trajectory.acceleration;
+      const SE3 T = c.trajectory.T_reference_mid * SE3::exp(delta) * SE3::exp(motion);
       return Eigen::VectorXd(transferBySolving(T, c.pixel, c.inverse_depth + depth_change));
     };
     const Vector6 zero = Vector6::Zero();

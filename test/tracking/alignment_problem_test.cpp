@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <numeric>
+#include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -58,6 +60,7 @@ AlignmentState stateAt(test::Random& random) {
   state.xi = random.tangent(0.02, 0.04);
   state.a = random.uniform(-0.2, 0.2);
   state.b = random.uniform(-5.0, 5.0);
+  state.bend = random.tangent(0.005, 0.01);
   return state;
 }
 
@@ -128,6 +131,33 @@ TEST(AlignmentProblem, HessianIsSymmetricAndPredictsTheCostOfSmallSteps) {
   const double actual = problem.linearize(AlignmentProblem::plus(state, step)).cost - equations.cost;
   EXPECT_LT(predicted, 0.0);
   EXPECT_NEAR(actual, predicted, 0.1 * std::abs(predicted));
+}
+
+TEST(AlignmentProblem, CovarianceIsThatOfTheMinimumUnderErrorsThatPatchesShare) {
+  // A linear model of patches whose pixels have errors in common, estimated again and again.
+  constexpr int kStates = AlignmentProblem::kStates;
+  constexpr int kPatches = 150;
+  constexpr int kTrials = 400;
+  std::mt19937 generator(3);
+  std::normal_distribution<double> normal;
+  std::vector<Eigen::Matrix<double, kStates, 1>> derivatives(kPatches);
+  for (auto& J : derivatives) J = J.NullaryExpr([&] { return normal(generator); });
+  Eigen::Matrix<double, kStates, 1> predicted = Eigen::Matrix<double, kStates, 1>::Zero();
+  Eigen::Matrix<double, kStates, 1> actual = Eigen::Matrix<double, kStates, 1>::Zero();
+  for (int trial = 0; trial < kTrials; ++trial) {
+    AlignmentProblem::Equations equations;
+    for (const auto& J : derivatives) {
+      constexpr double kPixels = 20.0;  // all with the same derivative and the same error
+      const Eigen::Matrix<double, kStates, 1> gradient = kPixels * normal(generator) * J;
+      equations.hessian += kPixels * J * J.transpose();
+      equations.gradient += gradient;
+      Eigen::Map<Eigen::Matrix<double, kStates, 1>>(equations.patch_gradients.emplace_back().data()) = gradient;
+    }
+    const Eigen::Matrix<double, kStates, 1> error = equations.hessian.ldlt().solve(equations.gradient);
+    actual += error.cwiseAbs2() / kTrials;
+    predicted += equations.covariance().diagonal() / kTrials;
+  }
+  for (int i = 0; i < kStates; ++i) EXPECT_NEAR(predicted(i) / actual(i), 1.0, 0.3);
 }
 
 TEST(AlignmentProblem, WithoutExposureXiIsNoState) {

@@ -55,6 +55,21 @@ TEST(MotionPrior, ExpectsTheTrueMotionUnderConstantAccelerationAndAtAReversal) {
   }
 }
 
+TEST(MotionPrior, TellsTheAccelerationFromTheMotionWithinTheExposure) {
+  test::Random random(5);
+  for (const double acceleration : {3.0, -100.0}) {
+    const Accelerated motion{random.pose(1.0, 1.0), random.tangent(1.0, 1.0), 2.0, acceleration};
+    const Vector6 expected = kExposure * kExposure * acceleration * motion.direction;
+    MotionPrior prior;
+    for (const double dt : {kDt, -kDt}) {
+      prior.previous = {motion.pose(0.0), Vector6::Zero(), kExposure};
+      prior.dt = dt;
+      const Vector6 bend = prior.bend(motion.pose(dt), kExposure * motion.velocity(dt), kExposure);
+      EXPECT_LT((bend - expected).norm(), 1e-9);
+    }
+  }
+}
+
 TEST(MotionPrior, OffersTheTrueStartOfSuddenChanges) {
   test::Random random(3);
   const Vector6 v = random.tangent(1.0, 2.0);

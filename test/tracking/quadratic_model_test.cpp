@@ -63,8 +63,9 @@ Eigen::Matrix<double, 1, 14> derivative(const Sample& s, std::size_t k, bool mov
 
 void expectSameAsPixelByPixel(bool moving) {
   test::Random random(8);
-  QuadraticModel model;
+  QuadraticModel model(3);
   NormalEquations<14> expected;
+  std::vector<Eigen::Matrix<double, 14, 1>> patch_gradients;
   PatchWeighting weighting;
   weighting.gain = static_cast<float>(kGain);
   weighting.offset = static_cast<float>(kOffset);
@@ -76,6 +77,7 @@ void expectSameAsPixelByPixel(bool moving) {
     model.cost += sums.cost;
     model.add(sums, s.path, kGain, moving);
     EXPECT_EQ(sums.pixels, kPixels - 2);
+    Eigen::Matrix<double, 14, 1> gradient = Eigen::Matrix<double, 14, 1>::Zero();
     for (std::size_t k = 0; k < kPixels; ++k) {
       const double r = s.intensity[k] - (kGain * s.predicted.value[k] + kOffset);
       expected.cost += loss.cost(std::isnan(r) ? kThreshold : r);
@@ -83,14 +85,22 @@ void expectSameAsPixelByPixel(bool moving) {
       const Eigen::Matrix<double, 1, 14> J = derivative(s, k, moving);
       const double weight = std::min(1.0, kThreshold / std::abs(r));
       expected.hessian += weight * J.transpose() * J;
-      expected.gradient += weight * r * J.transpose();
+      gradient += weight * r * J.transpose();
     }
+    expected.gradient += gradient;
+    patch_gradients.push_back(gradient);
   }
   NormalEquations<14> equations;
   model.copyTo(equations);
   EXPECT_NEAR(equations.cost, expected.cost, 1e-5 * expected.cost);
   EXPECT_LT((equations.hessian - expected.hessian).norm(), 1e-5 * expected.hessian.norm());
   EXPECT_LT((equations.gradient - expected.gradient).norm(), 1e-5 * expected.gradient.norm());
+  const auto found = model.takePatchGradients();
+  ASSERT_EQ(found.size(), patch_gradients.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Eigen::Map<const Eigen::Matrix<double, 14, 1>> gradient(found[i].data());
+    EXPECT_LT((gradient - patch_gradients[i]).norm(), 1e-5 * patch_gradients[i].norm());
+  }
 }
 
 TEST(QuadraticModel, OfAMovingPatchIsTheSumOverItsPixels) { expectSameAsPixelByPixel(true); }

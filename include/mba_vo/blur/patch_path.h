@@ -60,7 +60,7 @@ class PatchPathMaker {
   struct Moment {
     Eigen::Matrix3d R;
     Eigen::Vector3d p;
-    Matrix6 xi_factor;  // J_r(u xi)
+    Matrix6 xi_factor;  // right Jacobian of the motion since mid-exposure
   };
   static Moment momentAt(const ExposureTrajectory& trajectory, double u);
   /// d pixel / d right increment of T_mid, which carries the whole trajectory and so the point P with it.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <utility>
+
 #include <Eigen/Cholesky>
 
 #include "mba_vo/solver/normal_equations.h"
@@ -54,7 +56,7 @@ auto minimize(Problem& problem, const State& initial, const LevenbergMarquardtOp
     const double promised = -step.dot(summary.equations.gradient + 0.5 * summary.equations.hessian * step);
     if (promised < options.promised_decrease * summary.equations.cost) break;
     const State candidate = problem.plus(summary.state, step);
-    const auto equations = problem.linearize(candidate);
+    auto equations = problem.linearize(candidate);
     ++summary.iterations;
     if (!(equations.cost < summary.equations.cost)) {
       damping *= options.damping_increase;
@@ -66,7 +68,7 @@ auto minimize(Problem& problem, const State& initial, const LevenbergMarquardtOp
     rejections = 0;
     damping *= options.damping_decrease;
     summary.state = candidate;
-    summary.equations = equations;
+    summary.equations = std::move(equations);
     if (problem.refresh(candidate)) {
       summary.equations = problem.linearize(candidate);
       ++summary.iterations;

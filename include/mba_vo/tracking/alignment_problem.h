@@ -9,11 +9,10 @@
 #include "mba_vo/solver/normal_equations.h"
 #include "mba_vo/solver/robust_loss.h"
 #include "mba_vo/tracking/motion_prior.h"
+#include "mba_vo/tracking/quadratic_model.h"
 #include "mba_vo/tracking/reference.h"
 
 namespace mba_vo {
-
-class QuadraticModel;
 
 /// What alignment estimates: mid pose, motion within the exposure, brightness of the frame relative to the reference
 /// (frame = exp(a) reference + b).
@@ -22,6 +21,7 @@ struct AlignmentState {
   Vector6 xi = Vector6::Zero();
   double a = 0.0;
   double b = 0.0;
+  Vector6 bend = Vector6::Zero();  // acceleration times the square of the exposure; given, not estimated
 };
 
 struct AlignmentOptions {
@@ -29,6 +29,7 @@ struct AlignmentOptions {
   double sample_spacing_px = 1.25;
   int max_samples = 64;
   bool estimate_xi = true;       // false: the exposure is instantaneous, xi stays zero
+  bool with_covariance = false;  // keep what it needs
   double residual_sigma = 20.0;  // [grey levels] weight of the priors against the pixels, correlation included
   double depth_noise = 3.0;      // [grey levels] pixel noise that the effect of depth uncertainty is compared with
 };
@@ -63,6 +64,13 @@ class AlignmentProblem {
 
   struct Equations : NormalEquations<kStates> {
     AlignmentStatistics statistics;
+    std::vector<QuadraticModel::PatchGradient> patch_gradients;  // empty unless the covariance was asked for
+    Step prior_scatter = Step::Zero();  // variance of the gradients of the priors, whose states are independent
+
+    /// Covariance of the state at the minimum, H^-1 S H^-1 with the scatter S of the gradients of patches and priors,
+    /// each an observation of its own: what the pixels of a patch have in common, be it noise or errors of the model,
+    /// counts as found.
+    Eigen::Matrix<double, kStates, kStates> covariance() const;
   };
   Equations linearize(const AlignmentState& state) const;
   bool refresh(const AlignmentState& state);
@@ -86,7 +94,7 @@ class AlignmentProblem {
   std::optional<Eigen::Vector2d> projectPoint(const ReferencePoint& point, const SE3& T_frame_reference) const;
   void addPatch(const Patch& patch, const PatchPathMaker& maker, const AlignmentState& state, QuadraticModel& model,
                 Sums& sums) const;
-  void addPriors(const AlignmentState& state, NormalEquations<kStates>& equations) const;
+  void addPriors(const AlignmentState& state, Equations& equations) const;
 
   const Reference& reference_;
   const std::vector<int>& points_;

@@ -33,6 +33,10 @@ struct MotionPrior {
   /// two frames is the mean of their velocities, which also tells the sign at a reversal.
   Vector6 expectedXi(const SE3& T_reference_mid, double exposure) const;
 
+  /// What motion `xi` within an exposure at T_mid says of the acceleration there, times the square of the exposure: the
+  /// velocity exceeds the mean since the previous frame by what half the time between them adds.
+  Vector6 bend(const SE3& T_reference_mid, const Vector6& xi, double exposure) const;
+
   /// Diagonal information of T_mid about the prediction, and of xi about expectedXi [1/rad^2, 1/m^2].
   Vector6 poseInformation(const MotionPriorConfig& config, double median_depth) const;
   Vector6 xiInformation(const MotionPriorConfig& config, double median_depth, double exposure) const;

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
 #include "mba_vo/blur/patch_path.h"
 #include "mba_vo/solver/normal_equations.h"
 #include "mba_vo/tracking/patch_sums.h"
@@ -11,12 +16,18 @@ namespace mba_vo {
 class QuadraticModel {
  public:
   static constexpr int kStates = 14;
+  static constexpr int kColumns = 16;  // states padded to whole vectors
+  using PatchGradient = std::array<double, kColumns>;
+
+  /// Keeps the gradients of so many patches one by one.
+  explicit QuadraticModel(std::size_t kept_gradients = 0) { patch_gradients_.reserve(kept_gradients); }
 
   /// `gain`: e^a. `moving` false: xi is no state.
   void add(const PatchSums& sums, const PatchPath& path, double gain, bool moving);
   void copyTo(NormalEquations<kStates>& equations) const;
+  /// What each of the first patches added to the gradient, padded with zeros.
+  std::vector<PatchGradient> takePatchGradients() { return std::move(patch_gradients_); }
 
-  static constexpr int kColumns = 16;  // states padded to whole vectors
   struct Arrays {
     alignas(64) double hessian[kStates][kColumns] = {};
     alignas(64) double gradient[kColumns] = {};
@@ -24,7 +35,11 @@ class QuadraticModel {
   double cost = 0.0;
 
  private:
+  PatchGradient& placeForGradient();
+
   Arrays arrays_;
+  PatchGradient not_kept_{};
+  std::vector<PatchGradient> patch_gradients_;
 };
 
 }  // namespace mba_vo

@@ -18,21 +18,22 @@ enum class TrackingStatus {
 
 const char* toString(TrackingStatus status);
 
+using Matrix12 = Eigen::Matrix<double, 12, 12>;
+
 /// Result for one frame: tracker -> mapper. Every frame that came in makes exactly one of these.
 struct TrackedFrame {
   FrameConstPtr frame;
   TrackingStatus status = TrackingStatus::kInitializing;
-  std::string reason;             // empty while kTracking
-  ReferenceId reference;          // what it was aligned to; meaningful when tracked()
-  ExposureTrajectory trajectory;  // relative to the reference
-  AffineBrightness brightness;    // of this frame, same convention as Reference::brightness
-  Eigen::Matrix<double, 12, 12> covariance =
-      Eigen::Matrix<double, 12, 12>::Zero();  // of (right increment of T_mid, xi)
-  bool xi_prior_limited = true;               // too little blur for the covariance of xi to mean anything
-  double residual_rms = 0.0;                  // robust, level 0 [grey levels]
-  FrameMeasures measures;                     // how it sees the points of the reference
-  double inlier_fraction = 0.0;               // of the pixels, below the Huber threshold
-  int points_used = 0;                        // patches
+  std::string reason;                      // empty while kTracking
+  ReferenceId reference;                   // what it was aligned to; meaningful when tracked()
+  ExposureTrajectory trajectory;           // relative to the reference
+  AffineBrightness brightness;             // of this frame, same convention as Reference::brightness
+  Matrix12 covariance = Matrix12::Zero();  // of (right increment of T_mid, xi)
+  bool xi_prior_limited = true;            // too little blur for the covariance of xi to mean anything
+  double residual_rms = 0.0;               // robust, level 0 [grey levels]
+  FrameMeasures measures;                  // how it sees the points of the reference
+  double inlier_fraction = 0.0;            // of the pixels, below the Huber threshold
+  int points_used = 0;                     // patches
   bool keyframe_requested = false;
   bool provisional = false;  // it will be tracked again, against a keyframe that it sees better: not for the map yet
   double tracking_ms = 0.0;

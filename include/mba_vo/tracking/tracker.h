@@ -63,9 +63,11 @@ class Tracker {
   struct LevelResult;
   std::vector<AlignmentState> starts(const Job& job) const;
   AlignmentState bestStart(const Job& job, int level) const;
+  Vector6 bendFor(const Job& job, const AlignmentState& state) const;
   LevelResult align(const Job& job, int level, const AlignmentState& initial, int max_iterations) const;
   LevelResult preferExpectedDirection(const Job& job, const LevelResult& result) const;
   std::optional<AlignmentPrior> priorFor(const Job& job, const AlignmentState& state) const;
+  Matrix12 covarianceOf(const Job& job, const LevelResult& result) const;
   void judge(double log_gain, TrackedFrame& tracked) const;
 
   TrackerConfig config_;
