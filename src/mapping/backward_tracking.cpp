@@ -51,6 +51,8 @@ TrackedFrame BackwardTracking::next(const Reference& reference) {
   if (tracked.tracked()) {
     motion_.update(tracked);
     brightness_ = tracked.brightness;
+  } else {
+    frames_.clear();
   }
   return tracked;
 }

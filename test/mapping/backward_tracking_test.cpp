@@ -1,0 +1,66 @@
+#include "mba_vo/mapping/backward_tracking.h"
+
+#include <gtest/gtest.h>
+
+#include "support/rendered_room.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr int kFirst = 40;
+constexpr int kReference = 5;  // counted from the first, as all below
+
+SimulatedFrame render(int index) { return test::roomSimulator().render(kFirst + index); }
+
+FrameConstPtr frame(int index) {
+  const SimulatedFrame rendered = render(index);
+  return test::makeFrame(rendered, rendered.exposure);
+}
+
+FrameConstPtr blank(int index) {
+  const SimulatedFrame rendered = render(index);
+  return test::makeFrame(cv::Mat1f(240, 376, 90.0F), rendered.mid_exposure_ns, rendered.exposure, rendered.id);
+}
+
+class BackwardTrackingTest : public testing::Test {
+ protected:
+  /// Of the frames before the reference, with the true motion there.
+  BackwardTracking begin(const std::vector<FrameConstPtr>& frames) {
+    auto initial = std::make_unique<InitialMap>();
+    initial->reference = frame(kReference);
+    const Vector6 velocity = (reference_.T_world_start.inverse() * reference_.T_world_end).log() / reference_.exposure;
+    const MotionState start({SE3(), velocity, reference_.exposure}, reference_.mid_exposure_ns);
+    return BackwardTracking(MapperConfig(), std::move(initial), start, frames);
+  }
+
+  SE3 truth(int index) const { return reference_.T_world_mid.inverse() * render(index).T_world_mid; }
+
+  SimulatedFrame reference_ = render(kReference);
+  std::shared_ptr<Reference> snapshot_ = test::makeReference(reference_, test::toFloat(reference_.sharp));
+};
+
+TEST_F(BackwardTrackingTest, GoesBackToTheFirstFrame) {
+  std::vector<FrameConstPtr> frames;
+  for (int i = 0; i <= kReference + 1; ++i) frames.push_back(frame(i));
+  BackwardTracking backward = begin(frames);
+  for (int i = kReference - 1; i >= 0; --i) {
+    ASSERT_FALSE(backward.done());
+    const TrackedFrame tracked = backward.next(*snapshot_);
+    ASSERT_TRUE(tracked.tracked()) << tracked.reason;
+    EXPECT_EQ(tracked.frame->sequence, frames.at(static_cast<std::size_t>(i))->sequence);
+    EXPECT_LT((truth(i).inverse() * tracked.trajectory.T_reference_mid).log().norm(), 5e-3) << "frame " << i;
+  }
+  EXPECT_TRUE(backward.done());
+}
+
+TEST_F(BackwardTrackingTest, EndsWithTheFirstFrameThatIsLost) {
+  std::vector<FrameConstPtr> frames;
+  for (int i = 0; i < kReference; ++i) frames.push_back(i == kReference - 2 ? blank(i) : frame(i));
+  BackwardTracking backward = begin(frames);
+  EXPECT_TRUE(backward.next(*snapshot_).tracked());
+  EXPECT_FALSE(backward.next(*snapshot_).tracked());
+  EXPECT_TRUE(backward.done());
+}
+
+}  // namespace
+}  // namespace mba_vo
