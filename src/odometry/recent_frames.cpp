@@ -25,7 +25,7 @@ void RecentFrames::changeReference(const SE3& T_new_old) {
 
 std::vector<RecentFrames::Entry> RecentFrames::takeAfter(std::int64_t mid_exposure_ns) {
   const auto isLater = [&](const Entry& e) { return e.frame->mid_exposure_ns > mid_exposure_ns; };
-  const std::vector<Entry> later(std::find_if(entries_.begin(), entries_.end(), isLater), entries_.end());
+  std::vector<Entry> later(std::find_if(entries_.begin(), entries_.end(), isLater), entries_.end());
   entries_.clear();
   return later;
 }
