@@ -103,17 +103,25 @@ void WindowOptimizer::begin(WindowState& state) {
 }
 
 /// Moves the state by the step of the damped system; false if there is none.
-bool WindowOptimizer::step(WindowState& state, const ScaleAnchor& anchor, double lambda) {
+bool WindowOptimizer::step(WindowState& state, const ScaleAnchor& anchor, const DepthPrior& depth_prior,
+                           double lambda) {
   const Eigen::MatrixXd H = system_.H;
   const Eigen::VectorXd b = system_.b;
+  const Eigen::VectorXd H_depth = system_.H_depth;
+  const Eigen::VectorXd b_depth = system_.b_depth;
   state.prior.addTo(state.deltas(), system_.H, system_.b);
   anchor.addTo(state, system_.H, system_.b);
+  depth_prior.addTo(state, system_);
   schur_.reduce(system_, lambda, reduced_);
+  Eigen::VectorXd x;
+  const bool solved = solver_.solve(reduced_.H, reduced_.b, x);
+  Eigen::VectorXd depth_steps;
+  if (solved) depth_steps = schur_.solveDepths(system_, x);
   system_.H = H;
   system_.b = b;
-  Eigen::VectorXd x;
-  if (!solver_.solve(reduced_.H, reduced_.b, x)) return false;
-  const Eigen::VectorXd depth_steps = schur_.solveDepths(system_, x);
+  system_.H_depth = H_depth;
+  system_.b_depth = b_depth;
+  if (!solved) return false;
   step_norm_ = 0.0;
   for (int i = 0; i < state.size(); ++i) {
     const Vector8 delta = x.segment<kKeyframeDim>(kKeyframeDim * i);
@@ -136,7 +144,7 @@ void WindowOptimizer::accept(WindowState& state) {
   acceptEnergies(state);
 }
 
-void WindowOptimizer::finish(WindowState& state, WindowSummary& summary) const {
+void WindowOptimizer::finish(WindowState& state, const DepthPrior& depth_prior, WindowSummary& summary) const {
   double energy = 0.0;
   for (std::size_t i = 0; i < state.points.size(); ++i) {
     PointState& point = state.points[i];
@@ -157,7 +165,9 @@ void WindowOptimizer::finish(WindowState& state, WindowSummary& summary) const {
   }
   summary.rms = std::sqrt(energy / std::max(1, summary.residuals * kResidualPixels));
   state.points.erase(std::remove_if(state.points.begin(), state.points.end(),
-                                    [&state](const PointState& p) { return state.goodResiduals(p) == 0; }),
+                                    [&](const PointState& p) {
+                                      return state.goodResiduals(p) == 0 || !depth_prior.isPlausible(p.inverse_depth);
+                                    }),
                      state.points.end());
 }
 
@@ -165,14 +175,17 @@ WindowSummary WindowOptimizer::optimize(WindowState& state, const ScaleAnchor& a
   WindowSummary summary;
   if (state.size() < 2) return summary;  // nothing to compare; points wait for a second keyframe
   begin(state);
-  const auto otherCost = [&] { return state.prior.cost(state.deltas()) + anchor.cost(state); };
+  const DepthPrior depth_prior(state);
+  const auto otherCost = [&] {
+    return state.prior.cost(state.deltas()) + anchor.cost(state) + depth_prior.cost(state);
+  };
   summary.initial_cost = photometricCost(state) + otherCost();
   double lambda = options_.initial_lambda;
   while (summary.iterations < max_iterations && lambda <= options_.max_lambda) {
     ++summary.iterations;
     const Backup backup(state);
     const double other_cost = otherCost();
-    bool better = step(state, anchor, lambda);
+    bool better = step(state, anchor, depth_prior, lambda);
     double change = 0.0;
     if (better) {
       evaluateAll(state);
@@ -195,7 +208,7 @@ WindowSummary WindowOptimizer::optimize(WindowState& state, const ScaleAnchor& a
     linearizer_.assemble(state, evaluation_, system_);
   }
   summary.final_cost = photometricCost(state) + otherCost();
-  finish(state, summary);
+  finish(state, depth_prior, summary);
   return summary;
 }
 

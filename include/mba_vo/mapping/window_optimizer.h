@@ -1,5 +1,6 @@
 #pragma once
 
+#include "mba_vo/mapping/depth_prior.h"
 #include "mba_vo/mapping/reduced_camera_solver.h"
 #include "mba_vo/mapping/scale_anchor.h"
 #include "mba_vo/mapping/window_linearizer.h"
@@ -32,10 +33,10 @@ class WindowOptimizer {
   void acceptEnergies(WindowState& state) const;
   void updateOutlierThresholds(WindowState& state) const;
   void begin(WindowState& state);
-  bool step(WindowState& state, const ScaleAnchor& anchor, double lambda);
+  bool step(WindowState& state, const ScaleAnchor& anchor, const DepthPrior& depth_prior, double lambda);
   double costChange(const WindowState& state) const;
   void accept(WindowState& state);
-  void finish(WindowState& state, WindowSummary& summary) const;
+  void finish(WindowState& state, const DepthPrior& depth_prior, WindowSummary& summary) const;
 
   WindowLinearizer linearizer_;
   double huber_threshold_;
