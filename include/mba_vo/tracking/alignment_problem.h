@@ -29,6 +29,7 @@ struct AlignmentOptions {
   double sample_spacing_px = 1.25;
   int max_samples = 64;
   bool estimate_xi = true;       // false: the exposure is instantaneous, xi stays zero
+  double exposure = 1.0;         // [s] that xi belongs to; matters to a rolling shutter alone
   double residual_sigma = 20.0;  // [grey levels] weight of the priors against the pixels, correlation included
   double depth_noise = 3.0;      // [grey levels] pixel noise that the effect of depth uncertainty is compared with
 };
@@ -76,6 +77,7 @@ class AlignmentProblem {
  private:
   struct Patch {
     Eigen::Vector2d centre;  // integer pixel of the frame on this level
+    double reference_row;    // of the point, on this level
     double inverse_depth;
     double inverse_depth_variance;
     std::array<float, kMaxPatchPixels> intensity;  // of the frame, NaN where invalid
@@ -83,7 +85,8 @@ class AlignmentProblem {
   class Sums;
 
   void selectPatches(const AlignmentState& state);
-  std::optional<Eigen::Vector2d> projectPoint(const ReferencePoint& point, const SE3& T_frame_reference) const;
+  std::optional<Eigen::Vector2d> projectPoint(const ReferencePoint& point, const SE3& T_frame_reference,
+                                              const Vector6& velocity) const;
   void addPatch(const Patch& patch, const PatchPathMaker& maker, const AlignmentState& state, QuadraticModel& model,
                 Sums& sums) const;
   void addPriors(const AlignmentState& state, NormalEquations<kStates>& equations) const;
@@ -93,6 +96,7 @@ class AlignmentProblem {
   const ImageLevel& reference_level_;
   const ImageLevel& frame_level_;
   const PatchPattern& pattern_;
+  bool rolling_;
   AlignmentOptions options_;
   std::optional<AlignmentPrior> prior_;
   HuberLoss loss_;

@@ -12,8 +12,8 @@ class QuadraticModel {
  public:
   static constexpr int kStates = 14;
 
-  /// `gain`: e^a. `moving` false: xi is no state.
-  void add(const PatchSums& sums, const PatchPath& path, double gain, bool moving);
+  /// `gain`: e^a. `moving` false: xi is no state. `rolling`: the path has a J_xi_row.
+  void add(const PatchSums& sums, const PatchPath& path, double gain, bool moving, bool rolling = false);
   void copyTo(NormalEquations<kStates>& equations) const;
 
   static constexpr int kColumns = 16;  // states padded to whole vectors
