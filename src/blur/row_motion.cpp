@@ -8,9 +8,9 @@ RigidMotion shortMotion(const Vector6& velocity, double t) {
   const Eigen::Matrix3d W = hat(w);
   const Eigen::Matrix3d W2 = W.lazyProduct(W);
   const double w2 = w.squaredNorm();
-  // W^3 = -w^2 W
-  return {Eigen::Matrix3d::Identity() + (1.0 - w2 / 6.0) * W + 0.5 * W2,
-          rho + (0.5 - w2 / 24.0) * w.cross(rho) + W2.lazyProduct(rho) / 6.0};
+  const double cosine_part = 0.5 - w2 / 24.0;  // (1 - cos) / w^2
+  return {Eigen::Matrix3d::Identity() + (1.0 - w2 / 6.0) * W + cosine_part * W2,
+          rho + cosine_part * w.cross(rho) + W2.lazyProduct(rho) / 6.0};
 }
 
 std::optional<RollingProjection> projectRolling(const PinholeCamera& camera, const Vector6& velocity,

@@ -55,7 +55,7 @@ TEST(ShortMotion, IsTheExponential) {
     const Vector6 velocity = random.tangent(1.0, 2.0);
     const SE3 expected = SE3::exp(0.015 * velocity);
     const RigidMotion motion = shortMotion(velocity, 0.015);
-    EXPECT_LT((motion.R - expected.rotationMatrix()).norm(), 1e-7);
+    EXPECT_LT((motion.R - expected.rotationMatrix()).norm(), 1e-8);
     EXPECT_LT((motion.p - expected.translation()).norm(), 1e-8);
   }
 }

@@ -21,7 +21,7 @@ struct RigidMotion {
   RigidMotion operator*(const RigidMotion& o) const { return {R.lazyProduct(o.R), R.lazyProduct(o.p) + p}; }
 };
 
-/// Exp(t v) for the short times t [s] between the rows of a rolling shutter: exact to the third order in the angle.
+/// Exp(t v) for the short times t [s] between the rows of a rolling shutter: exact to the fourth order in the angle.
 RigidMotion shortMotion(const Vector6& velocity, double t);
 
 /// How camera and reference move while their rows are read out [m/s, rad/s, each in its own axes]. The camera is at

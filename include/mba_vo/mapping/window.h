@@ -53,8 +53,8 @@ struct WindowKeyframe {
   SE3 T_map_keyframe;
   Vector6 xi = Vector6::Zero();        // motion within its exposure, camera frame
   Vector6 image_xi = Vector6::Zero();  // motion blur left in `sharp`, 0 = none [m, rad]
-  Vector6 velocity = Vector6::Zero();  // while the rows of a rolling shutter are read [m/s, rad/s]
   AffineBrightness brightness;
+  Vector6 velocity = Vector6::Zero();  // while the rows of a rolling shutter are read [m/s, rad/s]
 };
 
 /// State of one active point, for callers.
