@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "mba_vo/mapping/epipolar_line.h"
 #include "mba_vo/mapping/search_patch.h"
 #include "mba_vo/tracking/tracked_frame.h"
