@@ -1,6 +1,7 @@
 // Runs the odometry over a recorded sequence, a folder or a bag, and writes what it found. Needs no ROS master.
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -14,6 +15,7 @@
 
 #include "mba_vo/io/offline_run.h"
 #include "mba_vo/io/progress_bar.h"
+#include "mba_vo/io/row_time_search.h"
 #include "mba_vo/io/run_writer.h"
 #include "mba_vo/odometry/config_yaml.h"
 #ifdef MBA_VO_WITH_ROS
@@ -28,6 +30,7 @@ struct Arguments {
   std::string config_file;
   std::string images = "images";
   std::string exposure = "auto";
+  std::string row_time = "auto";
   std::string image_topic;
   std::string camera_info_topic;
   std::string exposure_topic;
@@ -56,6 +59,21 @@ std::string checkExposure(const std::string& text) {
   return good ? "" : "exposure '" + text + "': must be auto or 0 to 10 seconds";
 }
 
+/// "auto", "estimate" or seconds.
+std::string checkRowTime(const std::string& text) {
+  if (text == "auto" || text == "estimate") return "";
+  constexpr double kLongest = 1e-3;  // [s]
+  std::size_t used = 0;
+  double seconds = 2.0 * kLongest;
+  try {
+    seconds = std::stod(text, &used);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  const bool good = used == text.size() && std::abs(seconds) <= kLongest;
+  return good ? "" : "row time '" + text + "': must be auto, estimate or -0.001 to 0.001 seconds";
+}
+
 void describe(CLI::App& app, Arguments& a) {
   app.add_option("SEQUENCE", a.sequence, "sequence folder (camera.yaml, times.txt, images) or .bag file");
   app.add_option("--output", a.output, "folder for the results, made if need be");
@@ -64,6 +82,10 @@ void describe(CLI::App& app, Arguments& a) {
   app.add_option("--exposure", a.exposure, "auto = as recorded, or seconds for all images; 0 = treat as sharp")
       ->capture_default_str()
       ->check(checkExposure);
+  app.add_option("--row-time", a.row_time,
+                 "rolling shutter: auto = as configured, seconds from one row to the next, or estimate = by trying")
+      ->capture_default_str()
+      ->check(checkRowTime);
   app.add_option("--skip", a.skip, "images to leave out at the beginning")->capture_default_str();
   app.add_flag("--deterministic", a.deterministic, "bit-identical results run after run");
   app.add_option("--reference-delay", a.reference_delay,
@@ -139,6 +161,7 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const Arguments& a) 
           {"images", a.images},
           {"config", a.config_file},
           {"exposure", a.exposure},
+          {"row_time", a.row_time},
           {"deterministic", a.deterministic ? "yes" : "no"},
           {"reference_delay_frames", std::to_string(a.reference_delay)}};
 }
@@ -152,6 +175,21 @@ void printCounts(const mba_vo::OfflineResult& result) {
   if (counts.tracked == 0) {
     throw std::runtime_error("no frame could be tracked; frames.csv tells why");
   }
+}
+
+double rowTime(const Arguments& a, const mba_vo::OfflineOptions& options) {
+  if (a.row_time == "auto") return options.config.image.row_time;
+  if (a.row_time != "estimate") return std::stod(a.row_time);
+  mba_vo::RowTimeSearch search;
+  search.open = [&a] { return openSequence(a); };
+  search.options = options;
+  search.onTrial = [](const mba_vo::RowTimeTrial& trial) {
+    std::cout << "row time " << 1e6 * trial.row_time << " us: residual " << trial.residual << " grey levels\n"
+              << std::flush;
+  };
+  const mba_vo::RowTimeTrial found = mba_vo::estimateRowTime(search);
+  std::cout << "row time estimated: " << found.row_time << " s\n";
+  return found.row_time;
 }
 
 void run(const Arguments& a) {
@@ -171,6 +209,7 @@ void run(const Arguments& a) {
   options.exposure = exposureOverride(a);
   options.skip = a.skip;
   options.reference_delay_frames = a.reference_delay;
+  options.config.image.row_time = rowTime(a, options);
   const auto reader = openSequence(a);
   const mba_vo::OfflineResult result = [&] {
     mba_vo::ProgressBar bar(std::cerr, reader->size(), isatty(STDERR_FILENO) == 1);

@@ -18,15 +18,31 @@ struct FixedMotionPathMaker::Hit {
 };
 
 FixedMotionPathMaker::FixedMotionPathMaker(const PinholeCamera& reference_camera, const PinholeCamera& camera,
-                                           const ExposureTrajectory& trajectory)
-    : reference_camera_(reference_camera), camera_(camera), moving_(trajectory.xi().squaredNorm() > 0.0) {
-  const auto momentOf = [](const SE3& T) { return Moment{T.rotationMatrix(), T.translation()}; };
-  mid_ = momentOf(trajectory.T_reference_mid);
-  start_ = moving_ ? momentOf(trajectory.start()) : mid_;
-  end_ = moving_ ? momentOf(trajectory.end()) : mid_;
+                                           const ExposureTrajectory& trajectory, const RowMotion& rows)
+    : reference_camera_(reference_camera),
+      camera_(camera),
+      moving_(trajectory.xi().squaredNorm() > 0.0),
+      rolling_(camera.row_time != 0.0 || reference_camera.row_time != 0.0),
+      rows_(rows) {
+  moments_.mid = moments_.carrier = RigidMotion(trajectory.T_reference_mid);
+  moments_.start = moving_ ? RigidMotion(trajectory.start()) : moments_.mid;
+  moments_.end = moving_ ? RigidMotion(trajectory.end()) : moments_.mid;
 }
 
-bool FixedMotionPathMaker::hit(const Moment& moment, const Eigen::Vector3d& ray, double inverse_depth, Hit& hit) const {
+FixedMotionPathMaker::Moments FixedMotionPathMaker::momentsAt(double row, double reference_row) const {
+  const RigidMotion to_reference_row = shortMotion(rows_.reference, -reference_camera_.rowDelay(reference_row));
+  const RigidMotion to_row = shortMotion(rows_.camera, camera_.rowDelay(row));
+  Moments moments;
+  moments.carrier = to_reference_row * moments_.mid;
+  moments.mid = moments.carrier * to_row;
+  if (!moving_) return moments;
+  moments.start = to_reference_row * moments_.start * to_row;
+  moments.end = to_reference_row * moments_.end * to_row;
+  return moments;
+}
+
+bool FixedMotionPathMaker::hit(const RigidMotion& moment, const Eigen::Vector3d& ray, double inverse_depth,
+                               Hit& hit) const {
   const Eigen::Matrix3d& R = moment.R;
   const Eigen::Vector3d& p = moment.p;
   const Eigen::Vector3d g = R.lazyProduct(ray);
@@ -53,9 +69,9 @@ bool FixedMotionPathMaker::hit(const Moment& moment, const Eigen::Vector3d& ray,
 
 /// For an increment (rho, phi) of the pose at mid-exposure the point moves rigidly by R_mid (rho + phi x X), X its
 /// place in that camera, and then along its ray back onto the plane: d pixel = f w [1 0 -a] R_mid (rho + phi x X).
-Matrix26 FixedMotionPathMaker::poseJacobian(const Hit& hit, double inverse_depth) const {
-  const Eigen::Matrix3d& R = mid_.R;
-  const Eigen::Vector3d wX = R.transpose().lazyProduct(hit.wP - inverse_depth * mid_.p);
+Matrix26 FixedMotionPathMaker::poseJacobian(const RigidMotion& carrier, const Hit& hit, double inverse_depth) const {
+  const Eigen::Matrix3d& R = carrier.R;
+  const Eigen::Vector3d wX = R.transpose().lazyProduct(hit.wP - inverse_depth * carrier.p);
   const Eigen::Vector3d vx = reference_camera_.fx * (R.row(0) - hit.a * R.row(2)).transpose();
   const Eigen::Vector3d vy = reference_camera_.fy * (R.row(1) - hit.b * R.row(2)).transpose();
   Matrix26 J;
@@ -65,15 +81,16 @@ Matrix26 FixedMotionPathMaker::poseJacobian(const Hit& hit, double inverse_depth
 }
 
 template <bool WithPose>
-bool FixedMotionPathMaker::makePath(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const {
+bool FixedMotionPathMaker::makePath(const Moments& moments, const Eigen::Vector2d& pixel, double inverse_depth,
+                                    PatchPath& path) const {
   if (inverse_depth <= 0.0) return false;
   const Eigen::Vector3d ray = camera_.unproject(pixel);
   Hit mid;
-  if (!hit(mid_, ray, inverse_depth, mid)) return false;
+  if (!hit(moments.mid, ray, inverse_depth, mid)) return false;
   path.c0 = mid.pixel.cast<float>();
   path.A0 = mid.A.cast<float>();
   path.J_inverse_depth[0] = mid.J_inverse_depth;
-  if (WithPose) path.J_pose[0] = poseJacobian(mid, inverse_depth);
+  if (WithPose) path.J_pose[0] = poseJacobian(moments.carrier, mid, inverse_depth);
   if (!moving_) {
     path.c1.setZero();
     path.c2.setZero();
@@ -84,21 +101,27 @@ bool FixedMotionPathMaker::makePath(const Eigen::Vector2d& pixel, double inverse
   }
   Hit start;
   Hit end;
-  if (!hit(start_, ray, inverse_depth, start) || !hit(end_, ray, inverse_depth, end)) return false;
+  if (!hit(moments.start, ray, inverse_depth, start) || !hit(moments.end, ray, inverse_depth, end)) return false;
   path.c1 = (end.pixel - start.pixel).cast<float>();
   path.c2 = (2.0 * (start.pixel + end.pixel) - 4.0 * mid.pixel).cast<float>();
   path.A1 = (end.A - start.A).cast<float>();
   path.J_inverse_depth[1] = end.J_inverse_depth - start.J_inverse_depth;
-  if (WithPose) path.J_pose[1] = poseJacobian(end, inverse_depth) - poseJacobian(start, inverse_depth);
+  if (WithPose)
+    path.J_pose[1] =
+        poseJacobian(moments.carrier, end, inverse_depth) - poseJacobian(moments.carrier, start, inverse_depth);
   return true;
 }
 
-bool FixedMotionPathMaker::make(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const {
-  return makePath<true>(pixel, inverse_depth, path);
+bool FixedMotionPathMaker::make(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path,
+                                double reference_row) const {
+  if (rolling_) return makePath<true>(momentsAt(pixel.y(), reference_row), pixel, inverse_depth, path);
+  return makePath<true>(moments_, pixel, inverse_depth, path);
 }
 
-bool FixedMotionPathMaker::makeWithoutPose(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const {
-  return makePath<false>(pixel, inverse_depth, path);
+bool FixedMotionPathMaker::makeWithoutPose(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path,
+                                           double reference_row) const {
+  if (rolling_) return makePath<false>(momentsAt(pixel.y(), reference_row), pixel, inverse_depth, path);
+  return makePath<false>(moments_, pixel, inverse_depth, path);
 }
 
 }  // namespace mba_vo

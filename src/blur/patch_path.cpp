@@ -62,6 +62,25 @@ Eigen::Vector2d depthJacobian(const PlaneHit& hit, double inverse_depth) {
   return hit.along_ray / (-inverse_depth * inverse_depth);
 }
 
+/// d pixel / d right increment of a pose, the carrier, that carries the point P with it.
+Matrix26 carriedJacobian(const RigidMotion& carrier, const PlaneHit& hit) {
+  const Eigen::Vector3d in_carrier = carrier.R.transpose() * (hit.P - carrier.p);
+  return incrementJacobian(hit.J_shift.lazyProduct(carrier.R), in_carrier);
+}
+
+/// A row that is exposed `row` exposures later sees u + row where the middle row sees u: (u + row) (J[0] + u J[1]).
+void shiftXi(double row, PatchPath& path) {
+  path.J_xi_row = row * path.J_xi[0];
+  path.J_xi[0] += row * path.J_xi[1];
+}
+
+/// ad(xi): J_r(xi) = I - ad / 2 + ad^2 / 6 - ...
+Matrix6 smallAdjoint(const Vector6& xi) {
+  Matrix6 ad;
+  ad << hat(xi.tail<3>()), hat(xi.head<3>()), Eigen::Matrix3d::Zero(), hat(xi.tail<3>());
+  return ad;
+}
+
 /// J times a matrix whose lower left 3x3 block is zero.
 Matrix26 timesBlockTriangular(const Matrix26& J, const Matrix6& M) {
   Matrix26 product;
@@ -86,28 +105,62 @@ PixelTransfer transferPixel(const PinholeCamera& reference_camera, const Pinhole
 float PatchPath::length() const { return c1.norm(); }
 
 PatchPathMaker::Moment PatchPathMaker::momentAt(const ExposureTrajectory& trajectory, double u) {
-  const double t = u * trajectory.exposure;
-  const Vector6 motion = t * trajectory.velocity + 0.5 * t * t * trajectory.acceleration;
-  const SE3 T = trajectory.T_reference_mid * SE3::exp(motion);
-  return {T.rotationMatrix(), T.translation(), rightJacobian(motion)};
+  const Vector6 motion = trajectory.motionUntil(u * trajectory.exposure);
+  return {RigidMotion(trajectory.T_reference_mid * SE3::exp(motion)), rightJacobian(motion)};
 }
 
 PatchPathMaker::PatchPathMaker(const PinholeCamera& reference_camera, const PinholeCamera& camera,
-                               const ExposureTrajectory& trajectory)
+                               const ExposureTrajectory& trajectory, const Vector6& reference_velocity)
     : reference_camera_(reference_camera),
       camera_(camera),
       moving_(trajectory.xi().squaredNorm() > 0.0),
-      start_(momentAt(trajectory, -0.5)),
-      mid_(momentAt(trajectory, 0.0)),
-      end_(momentAt(trajectory, 0.5)) {}
+      rolling_(camera.row_time != 0.0 || reference_camera.row_time != 0.0),
+      trajectory_(trajectory),
+      reference_velocity_(reference_velocity) {
+  moments_.start = momentAt(trajectory, -0.5);
+  moments_.mid = momentAt(trajectory, 0.0);
+  moments_.end = momentAt(trajectory, 0.5);
+  moments_.carrier = moments_.mid.pose;
+  const Matrix6 ad = smallAdjoint(trajectory.xi());
+  first_order_ = -0.5 * ad;
+  second_order_ = ad.lazyProduct(ad) / 6.0;
+}
 
-bool PatchPathMaker::make(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const {
+PatchPathMaker::Moments PatchPathMaker::momentsAt(double row, double reference_row) const {
+  const double delay = camera_.rowDelay(row);
+  const double exposure = trajectory_.exposure;
+  Moments moments;
+  moments.row = delay / exposure;
+  moments.carrier = shortMotion(reference_velocity_, -reference_camera_.rowDelay(reference_row)) * moments_.carrier;
+  // The right Jacobian is that of the velocity's share of the motion: the acceleration's, a hundredth, is neglected.
+  const auto at = [&](double u) {
+    const double at_row = u + moments.row;
+    return Moment{moments.carrier * shortMotion(trajectory_.motionUntil(delay + u * exposure)),
+                  Matrix6::Identity() + at_row * (first_order_ + at_row * second_order_)};
+  };
+  moments.start = at(-0.5);
+  moments.mid = at(0.0);
+  moments.end = at(0.5);
+  return moments;
+}
+
+bool PatchPathMaker::make(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path,
+                          double reference_row) const {
   if (inverse_depth <= 0.0) return false;
+  if (rolling_) return makePath(momentsAt(pixel.y(), reference_row), pixel, inverse_depth, path);
+  return makePath(moments_, pixel, inverse_depth, path);
+}
+
+bool PatchPathMaker::makePath(const Moments& moments, const Eigen::Vector2d& pixel, double inverse_depth,
+                              PatchPath& path) const {
   const Eigen::Vector3d ray = camera_.unproject(pixel);
   const double depth = 1.0 / inverse_depth;
-  const PlaneHit mid = intersectPlane(reference_camera_, mid_.R, mid_.p, ray, depth);
+  const auto lookFrom = [&](const Moment& m) {
+    return intersectPlane(reference_camera_, m.pose.R, m.pose.p, ray, depth);
+  };
+  const PlaneHit mid = lookFrom(moments.mid);
   if (!mid.valid) return false;
-  const Matrix23 J_mid = mid.J_shift.lazyProduct(mid_.R);
+  const Matrix23 J_mid = mid.J_shift.lazyProduct(moments.mid.pose.R);
   path.c0 = mid.pixel.cast<float>();
   path.c1.setZero();
   path.c2.setZero();
@@ -116,28 +169,25 @@ bool PatchPathMaker::make(const Eigen::Vector2d& pixel, double inverse_depth, Pa
   path.J_pose = {incrementJacobian(J_mid, mid.s * ray), Matrix26::Zero()};
   path.J_xi = {path.J_pose[0], Matrix26::Zero()};
   path.J_inverse_depth = {depthJacobian(mid, inverse_depth), Eigen::Vector2d::Zero()};
-  if (!moving_) return true;
+  if (rolling_) path.J_pose[0] = carriedJacobian(moments.carrier, mid);
+  if (!moving_ && !rolling_) return true;
 
-  const PlaneHit start = intersectPlane(reference_camera_, start_.R, start_.p, ray, depth);
-  const PlaneHit end = intersectPlane(reference_camera_, end_.R, end_.p, ray, depth);
+  const PlaneHit start = lookFrom(moments.start);
+  const PlaneHit end = lookFrom(moments.end);
   if (!start.valid || !end.valid) return false;
   path.c1 = (end.pixel - start.pixel).cast<float>();
   path.c2 = (2.0 * (start.pixel + end.pixel) - 4.0 * mid.pixel).cast<float>();
   path.J_inverse_depth[1] = depthJacobian(end, inverse_depth) - depthJacobian(start, inverse_depth);
-  path.J_pose[1] = midPoseJacobian(end.J_shift, end.P) - midPoseJacobian(start.J_shift, start.P);
+  path.J_pose[1] = carriedJacobian(moments.carrier, end) - carriedJacobian(moments.carrier, start);
   // An increment epsilon of xi moves the pose at u by u J_r(motion until u) epsilon.
-  const Matrix23 J_start = start.J_shift.lazyProduct(start_.R);
-  const Matrix23 J_end = end.J_shift.lazyProduct(end_.R);
+  const Matrix23 J_start = start.J_shift.lazyProduct(moments.start.pose.R);
+  const Matrix23 J_end = end.J_shift.lazyProduct(moments.end.pose.R);
   path.A1 = warpJacobian(camera_, J_end, end.s) - warpJacobian(camera_, J_start, start.s);
-  const Matrix26 J_xi_start = timesBlockTriangular(incrementJacobian(J_start, start.s * ray), start_.xi_factor);
-  const Matrix26 J_xi_end = timesBlockTriangular(incrementJacobian(J_end, end.s * ray), end_.xi_factor);
+  const Matrix26 J_xi_start = timesBlockTriangular(incrementJacobian(J_start, start.s * ray), moments.start.xi_factor);
+  const Matrix26 J_xi_end = timesBlockTriangular(incrementJacobian(J_end, end.s * ray), moments.end.xi_factor);
   path.J_xi = {0.5 * (J_xi_start + J_xi_end), J_xi_end - J_xi_start};
+  if (rolling_) shiftXi(moments.row, path);
   return true;
-}
-
-Matrix26 PatchPathMaker::midPoseJacobian(const Eigen::Matrix<double, 2, 3>& J_shift, const Eigen::Vector3d& P) const {
-  const Eigen::Vector3d in_mid_camera = mid_.R.transpose() * (P - mid_.p);
-  return incrementJacobian(J_shift.lazyProduct(mid_.R), in_mid_camera);
 }
 
 bool makePatchPath(const PinholeCamera& reference_camera, const PinholeCamera& camera,
@@ -176,6 +226,8 @@ void applySlope(const Eigen::Vector2d& slope, const Eigen::Vector2d& anchor, Pat
   };
   transform(path.J_pose);
   transform(path.J_xi);
+  path.J_xi[0] += M1 * path.J_xi_row;
+  path.J_xi_row = (M0 * path.J_xi_row).eval();
   transform(path.J_inverse_depth);
 }
 

@@ -10,7 +10,7 @@ Eigen::Matrix<double, 2, 3> PinholeCamera::projectionJacobian(const Eigen::Vecto
 }
 
 PinholeCamera PinholeCamera::halved() const {
-  return {width / 2, height / 2, 0.5 * fx, 0.5 * fy, 0.5 * (cx + 0.5) - 0.5, 0.5 * (cy + 0.5) - 0.5};
+  return {width / 2, height / 2, 0.5 * fx, 0.5 * fy, 0.5 * (cx + 0.5) - 0.5, 0.5 * (cy + 0.5) - 0.5, 2.0 * row_time};
 }
 
 }  // namespace mba_vo

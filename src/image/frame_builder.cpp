@@ -13,13 +13,15 @@ class FrameBuilder::Impl {
        const FrameBuilderConfig& config)
       : rectifier_(calibration),
         correction_(photometric, config.gamma, {calibration.width, calibration.height}),
-        levels_(config.pyramid_levels) {
+        levels_(config.pyramid_levels),
+        camera_(rectifier_.camera()) {
+    camera_.row_time = config.row_time;
     if (levels_ < 1) {
       throw std::invalid_argument("pyramid_levels is " + std::to_string(levels_) + ", must be at least 1");
     }
   }
 
-  const PinholeCamera& camera() const { return rectifier_.camera(); }
+  const PinholeCamera& camera() const { return camera_; }
 
   ImagePyramid makePyramid(const cv::Mat& image) const {
     if (image.cols != camera().width || image.rows != camera().height) {
@@ -35,6 +37,7 @@ class FrameBuilder::Impl {
   Rectifier rectifier_;
   PhotometricCorrection correction_;
   int levels_;
+  PinholeCamera camera_;
 };
 
 FrameBuilder::FrameBuilder(const CameraCalibration& calibration, const PhotometricCalibration& photometric,

@@ -21,7 +21,7 @@ Vector6 referenceVelocity(const InitialMap& initial) {
   if (before) motion.add(before->frame->mid_exposure_ns, before->T_reference_frame, std::nullopt);
   motion.add(origin_ns, SE3(), std::nullopt);
   if (after) motion.add(after->frame->mid_exposure_ns, after->T_reference_frame, std::nullopt);
-  return motion.xiOfMiddle(1.0);
+  return motion.velocityOfMiddle();
 }
 
 BackwardTracking::BackwardTracking(const MapperConfig& config, std::unique_ptr<InitialMap> initial,

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "mba_vo/mapping/patch_match.h"
 
@@ -73,20 +74,35 @@ ImmaturePoint makeImmaturePoint(const ImagePyramid& host, const Eigen::Vector2i&
 }
 
 DepthSearcher::DepthSearcher(const ImagePyramid& host, const ImagePyramid& frame, const ExposureTrajectory& T_host,
-                             double gain, double offset, const DepthSearchConfig& config)
-    : host_(&host.level(0)),
-      frame_(&frame.level(0)),
+                             double gain, double offset, const DepthSearchConfig& config, const Vector6& host_velocity)
+    : DepthSearcher(host.level(0), frame.level(0), T_host, gain, offset, config, host_velocity) {}
+
+DepthSearcher::DepthSearcher(const ImageLevel& host, const ImageLevel& frame, const ExposureTrajectory& T_host,
+                             double gain, double offset, const DepthSearchConfig& config, const Vector6& host_velocity)
+    : host_(&host),
+      frame_(&frame),
       config_(config),
+      T_host_(T_host),
+      host_velocity_(host_velocity),
+      gain_(gain),
+      offset_(offset),
       transform_(host_->camera, frame_->camera, T_host.T_reference_mid.inverse()),
       patch_maker_(*host_, frame_->camera, T_host, gain, offset, config.min_blur_px) {}
 
 void DepthSearcher::search(ImmaturePoint& point) const {
-  using State = ImmaturePoint::State;
-  if (point.state == State::kOutlier) return;
+  if (point.state == ImmaturePoint::State::kOutlier) return;
   if (!(point.energy_threshold > 0.0)) {
     point.energy_threshold = energyThreshold(host_->intensity, point.pixel, config_.huber_threshold);
   }
-  const EpipolarLine line(transform_, point.pixel.cast<double>());
+  if (host_->camera.row_time != 0.0 || frame_->camera.row_time != 0.0) {
+    searchRolling(point);
+  } else {
+    searchLine(EpipolarLine(transform_, point.pixel.cast<double>()), point);
+  }
+}
+
+void DepthSearcher::searchLine(const EpipolarLine& line, ImmaturePoint& point) const {
+  using State = ImmaturePoint::State;
   Range range{};
   if (!chooseRange(line, point, range)) return;  // the state says why
 

@@ -18,7 +18,7 @@ void KinematicBlur::add(std::int64_t mid_exposure_ns, const SE3& T_map_camera, c
   if (poses_.size() > kPoses) poses_.pop_front();
 }
 
-Vector6 KinematicBlur::xiOfMiddle(double exposure) const {
+Vector6 KinematicBlur::velocityOfMiddle() const {
   Vector6 velocities = Vector6::Zero();
   int count = 0;
   for (std::size_t i = 1; i < poses_.size(); ++i) {
@@ -31,13 +31,13 @@ Vector6 KinematicBlur::xiOfMiddle(double exposure) const {
   const Vector6 mean = velocities / count;
   const auto measured = [&](const Pose& pose) { return pose.velocity.has_value(); };
   if (count + 1 < static_cast<int>(kPoses) || !std::all_of(poses_.begin(), poses_.end(), measured)) {
-    return exposure * mean;
+    return mean;
   }
   // The central difference exceeds the velocity by a sixth of its second difference. An error that all measured
   // velocities have in common, that of the reference, cancels there.
   const Vector6& own = *poses_[1].velocity;
   const Vector6 second_difference = *poses_[0].velocity - 2.0 * own + *poses_[2].velocity;
-  return exposure * ((1.0 - kOwnWeight) * (mean - second_difference / 6.0) + kOwnWeight * own);
+  return (1.0 - kOwnWeight) * (mean - second_difference / 6.0) + kOwnWeight * own;
 }
 
 }  // namespace mba_vo

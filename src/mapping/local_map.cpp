@@ -33,8 +33,7 @@ LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initi
       window_(config.window, config.deterministic),
       deblurrer_(makeDeblurrer(config.deblur)) {
   const FrameConstPtr& frame = initial.reference;
-  addKeyframe(frame, std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid), SE3(),
-              reference_velocity * frame->exposure.value_or(0.0), {});
+  addKeyframe(frame, std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid), SE3(), reference_velocity, {});
   for (const ReferencePoint& point : initial.points) {
     window_.addPoint(newestKeyframe(), point.pixel.cast<double>(), static_cast<double>(point.inverse_depth));
   }
@@ -47,17 +46,19 @@ SE3 LocalMap::T_map_camera(const TrackedFrame& tracked) const {
 }
 
 void LocalMap::addKeyframe(const FrameConstPtr& frame, const std::shared_ptr<const ImagePyramid>& sharp,
-                           const SE3& T_map_keyframe, const Vector6& xi, const AffineBrightness& brightness) {
+                           const SE3& T_map_keyframe, const Vector6& velocity, const AffineBrightness& brightness) {
   WindowKeyframe keyframe;
   keyframe.id = next_keyframe_++;
   keyframe.sharp = sharp;
   const std::shared_ptr<const ImagePyramid> frame_image(frame, &frame->pyramid);
   keyframe.original = frame_image;
   keyframe.T_map_keyframe = T_map_keyframe;
-  keyframe.xi = xi;
+  keyframe.velocity = velocity;
+  // Where the exposure is unknown, the image is left as if it were sharp.
+  keyframe.xi = velocity * frame->exposure.value_or(0.0);
   keyframe.brightness = brightness;
   // An image that was not deblurred still has the whole motion in it.
-  if (config_.commute_blur && sharp == frame_image) keyframe.image_xi = xi;
+  if (config_.commute_blur && sharp == frame_image) keyframe.image_xi = keyframe.xi;
   window_.addKeyframe(keyframe);
   keyframes_[keyframe.id] = {frame, sharp, keyframe.image_xi, {}};
 }
@@ -71,7 +72,8 @@ void LocalMap::searchDepths(const TrackedFrame& tracked) {
     const AffineBrightness host_brightness = window_.brightness(id);
     const double gain = std::exp(tracked.brightness.a - host_brightness.a);
     const double offset = tracked.brightness.b - gain * host_brightness.b;
-    const DepthSearcher searcher(*host.sharp, tracked.frame->pyramid, in_host, gain, offset, config_.depth_search);
+    const DepthSearcher searcher(*host.sharp, tracked.frame->pyramid, in_host, gain, offset, config_.depth_search,
+                                 window_.velocity(id));
     const std::size_t chunks = (host.immature.size() + kPointsPerSearch - 1) / kPointsPerSearch;
     parallelFor(chunks, [&, &immature = host.immature](std::size_t chunk) {
       const std::size_t end = std::min((chunk + 1) * kPointsPerSearch, immature.size());
@@ -85,20 +87,21 @@ std::shared_ptr<const ImagePyramid> LocalMap::deblur(const TrackedFrame& tracked
   DeblurInput input;
   input.image = std::shared_ptr<const ImagePyramid>(tracked.frame, &tracked.frame->pyramid);
   input.xi = tracked.trajectory.xi();
-  for (const ReferencePoint& p : projectPoints(window_, input.image->level(0).camera, T_map_keyframe)) {
+  for (const ReferencePoint& p :
+       projectPoints(window_, input.image->level(0).camera, T_map_keyframe, tracked.trajectory.velocity)) {
     input.depths.push_back({p.pixel, p.inverse_depth});
   }
   return deblurrer_->deblur(input);
 }
 
-KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const Vector6& xi) {
+KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const Vector6& velocity) {
   KeyframeReport report;
   const Clock::time_point begin = Clock::now();
   const SE3 T_map_keyframe = T_map_camera(tracked);
   const auto sharp = deblur(tracked, T_map_keyframe);
   report.deblur_ms = millisecondsSince(begin);
 
-  addKeyframe(tracked.frame, sharp, T_map_keyframe, xi, tracked.brightness);
+  addKeyframe(tracked.frame, sharp, T_map_keyframe, velocity, tracked.brightness);
   window_.addResidualsTo(newestKeyframe());
   Clock::time_point stage = Clock::now();
   activatePoints();
@@ -136,7 +139,8 @@ void LocalMap::activatePoints() {
   activation_distance_px_ =
       adaptedDistance(activation_distance_px_, static_cast<int>(window_.points().size()), config_.window.max_points);
   SpacingGrid grid(camera, activation_distance_px_);
-  for (const ReferencePoint& point : projectPoints(window_, camera, T_newest_map.inverse())) {
+  for (const ReferencePoint& point :
+       projectPoints(window_, camera, T_newest_map.inverse(), window_.velocity(newestKeyframe()))) {
     grid.occupy(point.pixel.cast<double>());
   }
   for (auto& [id, host] : keyframes_) {
@@ -163,7 +167,8 @@ void LocalMap::activatePoints() {
 
 SurfaceSlopes LocalMap::slopesIn(KeyframeId keyframe) const {
   const PinholeCamera& camera = keyframes_.at(keyframe).sharp->level(0).camera;
-  return SurfaceSlopes(camera, projectPoints(window_, camera, window_.T_map_keyframe(keyframe)));
+  return SurfaceSlopes(camera,
+                       projectPoints(window_, camera, window_.T_map_keyframe(keyframe), window_.velocity(keyframe)));
 }
 
 void LocalMap::updateSlopes() {
@@ -202,7 +207,9 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe) {
   reference->pyramid = keyframes_.at(keyframe).sharp;
   reference->image_xi = keyframes_.at(keyframe).image_xi;
   reference->brightness = window_.brightness(keyframe);
-  reference->points = projectPoints(window_, reference->pyramid->level(0).camera, reference->T_map_reference);
+  reference->velocity = window_.velocity(keyframe);
+  reference->points =
+      projectPoints(window_, reference->pyramid->level(0).camera, reference->T_map_reference, reference->velocity);
   for (const KeyframeId id : window_.keyframes()) reference->T_map_keyframe[id] = window_.T_map_keyframe(id);
   return reference;
 }

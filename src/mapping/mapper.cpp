@@ -146,7 +146,7 @@ class Mapper::Impl {
       if (isNeeded(*frame)) candidate_ = frame;
       return std::nullopt;
     }
-    const KeyframeReport report = map_->insertKeyframe(*candidate, motion_.xiOfMiddle(exposureOf(*candidate)));
+    const KeyframeReport report = map_->insertKeyframe(*candidate, motion_.velocityOfMiddle());
     reference_ = map_->makeReference(map_->newestKeyframe());
     store_.makeKeyframe(*candidate, reference_->id.map_id, reference_->id.keyframe_id);
     updateFirstKeyframe();
@@ -160,14 +160,12 @@ class Mapper::Impl {
     return keyframe_policy_.takes(*reference_, measureFrame(*reference_, in_newest), frame.brightness);
   }
 
-  /// None where the exposure is unknown or instantaneous.
+  /// None where the exposure is unknown or instantaneous, unless a rolling shutter tells.
   static std::optional<Vector6> measuredVelocity(const TrackedFrame& frame) {
-    if (exposureOf(frame) <= 0.0) return std::nullopt;
+    const bool rolling = frame.frame->pyramid.level(0).camera.row_time != 0.0;
+    if (!rolling && frame.frame->exposure.value_or(0.0) <= 0.0) return std::nullopt;
     return frame.trajectory.velocity;
   }
-
-  /// Of no use where the exposure is unknown: 0 leaves the image as if it were sharp.
-  static double exposureOf(const TrackedFrame& frame) { return frame.frame->exposure.value_or(0.0); }
 
   MapperOutput handleLost(const TrackedFrame& frame) {
     const std::int64_t now = frame.frame->mid_exposure_ns;

@@ -35,6 +35,22 @@ void readTarget(const PairGeometry& pair, const Eigen::Vector2i& centre, double 
   }
 }
 
+std::optional<Eigen::Vector2d> projectIntoTarget(const PairGeometry& pair, const Eigen::Vector2d& host_pixel,
+                                                 double inverse_depth) {
+  const PinholeCamera& host = pair.host_image->camera;
+  const PinholeCamera& target = pair.target_image->camera;
+  const Eigen::Vector3d ray = host.unproject(host_pixel);
+  if (host.row_time != 0.0 || target.row_time != 0.0) {
+    const RigidMotion to_row = shortMotion(pair.rows.reference, host.rowDelay(host_pixel.y()));
+    const Eigen::Vector3d in_host = to_row.R * (ray / inverse_depth) + to_row.p;
+    const auto seen = projectRolling(target, pair.rows.camera, pair.T_target_host * in_host);
+    return seen ? std::optional<Eigen::Vector2d>(seen->pixel) : std::nullopt;
+  }
+  const Eigen::Vector3d point = pair.T_target_host.rotation() * ray + inverse_depth * pair.T_target_host.translation();
+  if (point.z() <= 0.0) return std::nullopt;
+  return target.project(point);
+}
+
 constexpr int kPixels = kResidualPixels;
 constexpr int kSize = 8;  // of z = [gx gy ugx ugy, J_a, J_b, r], padded
 
@@ -124,9 +140,10 @@ PairGeometry makePairGeometry(const KeyframeState& host, const KeyframeState& ta
   pair.blurred = reblur_targets && !target.xi.isZero(0.0);
   pair.host_image = &host.sharp->level(0);
   pair.target_image = reblur_targets ? &target.original->level(0) : &target.sharp->level(0);
+  pair.rows = {target.velocity, host.velocity};
   const auto makePaths = [&](const SE3& T_host_target) {
     return FixedMotionPathMaker(pair.host_image->camera, pair.target_image->camera,
-                                {T_host_target, target.xi, pair.blurred ? 1.0 : 0.0});
+                                {T_host_target, target.xi, pair.blurred ? 1.0 : 0.0}, pair.rows);
   };
   const SE3 T_host_target = host.T_map_keyframe().inverse() * target.T_map_keyframe();
   const SE3 T_host_target_first = host.T_linear.inverse() * target.T_linear;
@@ -167,10 +184,9 @@ void placePixels(const PairGeometry& pair, const Eigen::Vector2d& host_pixel, do
                  const ResidualOptions& options, PatchResidual& residual, const Eigen::Vector2d& slope) {
   residual.has_pixels = false;
   residual.energy = residual.trial_energy = kNoEnergy;
-  const Eigen::Vector3d ray = pair.host_image->camera.unproject(host_pixel);
-  const Eigen::Vector3d point = pair.T_target_host.rotation() * ray + inverse_depth * pair.T_target_host.translation();
-  if (point.z() <= 0.0) return;
-  const Eigen::Vector2d projection = pair.target_image->camera.project(point);
+  const std::optional<Eigen::Vector2d> projected = projectIntoTarget(pair, host_pixel, inverse_depth);
+  if (!projected) return;
+  const Eigen::Vector2d& projection = *projected;
   if (!pair.target_image->camera.contains(projection, pattern().radius + 1.5)) return;
   residual.centre = projection.array().round().cast<int>();
   const cv::Mat1f& image = pair.target_image->intensity;

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+
+#include "mba_vo/blur/row_motion.h"
 
 namespace mba_vo {
 namespace {
@@ -13,6 +16,19 @@ constexpr double kCertainSearch = 8.0;  // [px] a longer last search leaves the 
 constexpr double kMinQuality = 3.0;
 constexpr double kBorder = 5.0;  // [px]
 constexpr double kInitialRelativeSigma = 0.05;
+
+std::optional<RollingProjection> see(const PinholeCamera& camera, const Eigen::Vector3d& point) {
+  if (point.z() <= 0.0) return std::nullopt;
+  return RollingProjection{camera.project(point), point.z()};
+}
+
+/// The host saw the point when its own row was read.
+std::optional<RollingProjection> seeRolling(const PinholeCamera& camera, const Vector6& velocity,
+                                            const SE3& T_camera_host, const Vector6& host_velocity,
+                                            const Eigen::Vector2d& host_pixel, const Eigen::Vector3d& in_host) {
+  const RigidMotion to_row = shortMotion(host_velocity, camera.rowDelay(host_pixel.y()));
+  return projectRolling(camera, velocity, T_camera_host * (to_row.R * in_host + to_row.p));
+}
 
 }  // namespace
 
@@ -42,19 +58,22 @@ bool isReadyToActivate(const ImmaturePoint& point) {
          point.quality > kMinQuality;
 }
 
-std::vector<ReferencePoint> projectPoints(const Window& window, const PinholeCamera& camera, const SE3& T_map_camera) {
+std::vector<ReferencePoint> projectPoints(const Window& window, const PinholeCamera& camera, const SE3& T_map_camera,
+                                          const Vector6& velocity) {
   std::map<KeyframeId, SE3> T_camera_host;
   for (const KeyframeId id : window.keyframes()) {
     T_camera_host[id] = T_map_camera.inverse() * window.T_map_keyframe(id);
   }
+  const bool rolling = camera.row_time != 0.0;
   std::vector<ReferencePoint> projected;
   for (const WindowPoint& point : window.points()) {
     const Eigen::Vector3d in_host = camera.unproject(point.pixel) / point.inverse_depth;
-    const Eigen::Vector3d p = T_camera_host.at(point.host) * in_host;
-    if (p.z() <= 0.0) continue;
-    const Eigen::Vector2d pixel = camera.project(p);
-    if (!camera.contains(pixel, kBorder)) continue;
-    const double inverse_depth = 1.0 / p.z();
+    const SE3& T = T_camera_host.at(point.host);
+    const auto seen = rolling ? seeRolling(camera, velocity, T, window.velocity(point.host), point.pixel, in_host)
+                              : see(camera, T * in_host);
+    if (!seen || !camera.contains(seen->pixel, kBorder)) continue;
+    const Eigen::Vector2d& pixel = seen->pixel;
+    const double inverse_depth = 1.0 / seen->depth;
     const double ratio = inverse_depth / point.inverse_depth;
     // A point without residuals knows its depth from initialisation only.
     const double initial_sigma = kInitialRelativeSigma * point.inverse_depth;

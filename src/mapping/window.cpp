@@ -86,6 +86,7 @@ void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
   added.sharp = keyframe.sharp;
   added.original = keyframe.original;
   added.image_xi = keyframe.image_xi;
+  added.velocity = keyframe.velocity;
   added.xi = keyframe.xi;
   added.T_linear = keyframe.T_map_keyframe;
   added.brightness_linear = keyframe.brightness;
@@ -227,6 +228,8 @@ std::vector<KeyframeId> Window::keyframes() const {
 SE3 Window::T_map_keyframe(KeyframeId id) const {
   return impl_->state_.keyframe(impl_->state_.indexOf(id)).T_map_keyframe();
 }
+
+Vector6 Window::velocity(KeyframeId id) const { return impl_->state_.keyframe(impl_->state_.indexOf(id)).velocity; }
 
 AffineBrightness Window::brightness(KeyframeId id) const {
   return impl_->state_.keyframe(impl_->state_.indexOf(id)).brightness();

@@ -50,7 +50,8 @@ void WindowLinearizer::evaluateResidual(const PairGeometry& pair, const PointSta
                                         PatchComparison& comparison) const {
   residual.trial_energy = kNoEnergy;
   PatchPath path;
-  if (!residual.has_pixels || !pair.path->makeWithoutPose(residual.centre.cast<double>(), point.inverse_depth, path)) {
+  if (!residual.has_pixels ||
+      !pair.path->makeWithoutPose(residual.centre.cast<double>(), point.inverse_depth, path, point.pixel.y())) {
     return;
   }
   applySlope(point.slope, point.pixel, path);
@@ -118,7 +119,7 @@ void WindowLinearizer::assemblePoint(const WindowState& state, const std::vector
     const PatchComparison& comparison = evaluation.patches[patch++];
     if (!isGoodTrial(state, residual)) continue;
     const PairGeometry& pair = pairOf(pairs, state, point, residual);
-    if (!jacobianPath(pair).make(residual.centre.cast<double>(), point.inverse_depth, path)) continue;
+    if (!jacobianPath(pair).make(residual.centre.cast<double>(), point.inverse_depth, path, point.pixel.y())) continue;
     applySlope(point.slope, point.pixel, path);
     assembleSystem(comparison, path, pair.blurred, system);
     PairSums& sums = chunk.pairs[static_cast<std::size_t>(&pair - pairs.data())];
@@ -146,7 +147,9 @@ void WindowLinearizer::assembleDepths(const WindowState& state, const WindowEval
       const PatchComparison& comparison = evaluation.patches[patch++];
       if (!isGoodTrial(state, residual)) continue;
       const PairGeometry& pair = pairOf(pairs, state, point, residual);
-      if (!jacobianPath(pair).makeWithoutPose(residual.centre.cast<double>(), point.inverse_depth, path)) continue;
+      if (!jacobianPath(pair).makeWithoutPose(residual.centre.cast<double>(), point.inverse_depth, path,
+                                              point.pixel.y()))
+        continue;
       applySlope(point.slope, point.pixel, path);
       H_depth(static_cast<Eigen::Index>(row)) += assembleDepth(comparison, path, pair.blurred).H;
     }

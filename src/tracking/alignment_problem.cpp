@@ -54,33 +54,46 @@ AlignmentProblem::AlignmentProblem(const Reference& reference, const std::vector
       reference_level_(reference.pyramid->level(level)),
       frame_level_(frame.pyramid.level(level)),
       pattern_(pattern),
+      rolling_(frame_level_.camera.row_time != 0.0 || reference_level_.camera.row_time != 0.0),
       options_(options),
       prior_(prior),
       loss_(options.huber_threshold) {
   selectPatches(initial);
 }
 
-std::optional<Eigen::Vector2d> AlignmentProblem::projectPoint(const ReferencePoint& point,
-                                                              const SE3& T_frame_reference) const {
-  const Eigen::Vector3d ray = reference_.pyramid->level(0).camera.unproject(point.pixel.cast<double>());
-  const Eigen::Vector3d p = T_frame_reference * (ray / static_cast<double>(point.inverse_depth));
-  if (p.z() <= 0.0) return std::nullopt;
-  return frame_level_.camera.project(p);
+std::optional<Eigen::Vector2d> AlignmentProblem::projectPoint(const ReferencePoint& point, const SE3& T_frame_reference,
+                                                              const Vector6& velocity) const {
+  const PinholeCamera& camera = reference_.pyramid->level(0).camera;
+  const Eigen::Vector3d in_reference =
+      camera.unproject(point.pixel.cast<double>()) / static_cast<double>(point.inverse_depth);
+  if (!rolling_) {
+    const Eigen::Vector3d p = T_frame_reference * in_reference;
+    if (p.z() <= 0.0) return std::nullopt;
+    return frame_level_.camera.project(p);
+  }
+  const double delay = camera.rowDelay(static_cast<double>(point.pixel.y()));
+  const Eigen::Vector3d p = T_frame_reference * (SE3::exp(delay * reference_.velocity) * in_reference);
+  const auto seen = projectRolling(frame_level_.camera, velocity, p);
+  return seen ? std::optional<Eigen::Vector2d>(seen->pixel) : std::nullopt;
 }
 
 void AlignmentProblem::selectPatches(const AlignmentState& state) {
   T_selected_ = state.T_reference_mid;
   const SE3 T_frame_reference = T_selected_.inverse();
+  const Vector6 velocity = rolling_ ? Vector6(state.xi / options_.exposure) : Vector6::Zero();
   const CommutedBlur commuted(reference_level_.camera, frame_level_.camera, T_selected_, reference_.image_xi);
+  const double row_scale = reference_.pyramid->level(0).camera.fy / reference_level_.camera.fy;
   patches_.clear();
   patches_.reserve(points_.size());
   for (const int index : points_) {
     const ReferencePoint& point = reference_.points[static_cast<std::size_t>(index)];
-    const auto projection = projectPoint(point, T_frame_reference);
+    const auto projection = projectPoint(point, T_frame_reference, velocity);
     if (!projection) continue;
     const Eigen::Vector2d centre(std::round(projection->x()), std::round(projection->y()));
     if (!frame_level_.camera.contains(centre, pattern_.radius)) continue;
-    Patch patch{centre, static_cast<double>(point.inverse_depth), static_cast<double>(point.variance), {}};
+    const double reference_row = static_cast<double>(point.pixel.y() + 0.5F) / row_scale - 0.5;
+    Patch patch{
+        centre, reference_row, static_cast<double>(point.inverse_depth), static_cast<double>(point.variance), {}};
     commuted.read(frame_level_, centre, patch.inverse_depth, pattern_, static_cast<float>(options_.sample_spacing_px),
                   options_.max_samples, patch.intensity);
     patches_.push_back(patch);
@@ -113,7 +126,9 @@ double AlignmentProblem::stepSize(const Step& step) const {
     return frame_level_.camera.fx *
            (median_inverse_depth_ * step.segment<3>(first).norm() + step.segment<3>(first + 3).norm());
   };
-  return std::max(motion(0), 0.5 * motion(6));
+  // Half of xi is where the exposure ends, or, with a rolling shutter, more where the last row is.
+  const double last_row = rolling_ ? std::abs(frame_level_.camera.rowDelay(0.0)) / options_.exposure : 0.0;
+  return std::max(motion(0), (0.5 + last_row) * motion(6));
 }
 
 void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker, const AlignmentState& state,
@@ -124,7 +139,7 @@ void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker,
   // A pixel that leaves the reference costs as much as one at the edge of being an outlier: leaving never pays.
   const double cost_of_leaving = loss_.cost(loss_.threshold());
   PatchPath path;
-  if (!maker.make(patch.centre, patch.inverse_depth, path)) {
+  if (!maker.make(patch.centre, patch.inverse_depth, path, patch.reference_row)) {
     model.cost += size * cost_of_leaving;
     return;
   }
@@ -142,7 +157,7 @@ void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker,
   weighting.depth_y = sigma * static_cast<float>(path.J_inverse_depth[0].y());
   const PatchSums patch_sums = sumPatch(predicted, patch.intensity, size, moving, weighting);
   sums.add(patch_sums);
-  if (patch_sums.pixels > 0) model.add(patch_sums, path, weighting.gain, moving);
+  if (patch_sums.pixels > 0) model.add(patch_sums, path, weighting.gain, moving, rolling_);
   model.cost += patch_sums.cost;
 }
 
@@ -176,8 +191,10 @@ Eigen::Matrix<double, AlignmentProblem::kStates, AlignmentProblem::kStates> Alig
 AlignmentProblem::Equations AlignmentProblem::linearize(const AlignmentState& state) const {
   QuadraticModel model(options_.with_covariance ? patches_.size() : 0);
   Sums sums;
-  const PatchPathMaker maker(reference_level_.camera, frame_level_.camera,
-                             {state.T_reference_mid, state.xi, 1.0, state.bend});
+  const double exposure = rolling_ ? options_.exposure : 1.0;
+  const ExposureTrajectory trajectory{state.T_reference_mid, state.xi / exposure, exposure,
+                                      state.bend / (exposure * exposure)};
+  const PatchPathMaker maker(reference_level_.camera, frame_level_.camera, trajectory, reference_.velocity);
   for (const Patch& patch : patches_) addPatch(patch, maker, state, model, sums);
   Equations equations;
   model.copyTo(equations);

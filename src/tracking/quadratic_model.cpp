@@ -12,7 +12,7 @@ constexpr int kGain = 12;
 constexpr int kOffset = 13;
 
 /// Residual = B - (e^a Bhat + b): minus its derivative is the moments of the pixel times these. J_pose belongs to the
-/// moments gx..ugy, J_xi to ugx..uugy, both times the gain; the gain itself for a, one for b.
+/// moments gx..ugy, J_xi to ugx..uugy (J_xi_row to gx, gy), all times the gain; the gain itself for a, one for b.
 struct MomentJacobian {
   alignas(64) double rows[kMoments][kColumns] = {};
 };
@@ -29,6 +29,7 @@ MomentJacobian jacobianOf(const PatchPath& path, double gain, bool moving) {
     put(2, kPose, path.J_pose[1]);
     put(2, kXi, path.J_xi[0]);
     put(4, kXi, path.J_xi[1]);
+    put(0, kXi, path.J_xi_row);  // zero with a global shutter
   }
   J.rows[6][kGain] = gain;
   J.rows[7][kOffset] = 1.0;
@@ -37,7 +38,7 @@ MomentJacobian jacobianOf(const PatchPath& path, double gain, bool moving) {
 
 /// out.hessian += J^T M J, gradient = -J^T r, out.gradient += gradient, inlined into each of the versions below. The
 /// loops over columns are the ones to be vectorised; unrolled, the compiler would shuffle.
-template <bool Moving>
+template <bool Moving, bool Rolling>
 [[gnu::always_inline]] inline void addProducts(const double* __restrict moments, const double* __restrict residuals,
                                                const MomentJacobian& J, double* __restrict gradient,
                                                QuadraticModel::Arrays& __restrict out) {
@@ -64,13 +65,13 @@ template <bool Moving>
 #pragma GCC unroll 1
   for (int k = 0; k < kColumns; ++k) out.gradient[k] += gradient[k];
   // Only the rows of J where a group of states is not zero.
-  constexpr int kDepth = Moving ? 4 : 2;
+  constexpr int kDepth = Rolling ? 6 : (Moving ? 4 : 2);
   for (int state = 0; state < (Moving ? kGain : kXi); ++state) {
-    const int first = state < kXi ? 0 : 2;
+    const int first = state < kXi || Rolling ? 0 : 2;
 #pragma GCC unroll 1
     for (int k = 0; k < kColumns; ++k) {
       double sum = 0.0;
-#pragma GCC unroll 4
+#pragma GCC unroll 6
       for (int j = 0; j < kDepth; ++j) sum += J.rows[first + j][state] * MJ[first + j][k];
       out.hessian[state][k] += sum;
     }
@@ -85,13 +86,19 @@ template <bool Moving>
 MBA_VO_MULTIVERSION
 void addMoving(const double* __restrict moments, const double* __restrict residuals, const MomentJacobian& J,
                double* __restrict gradient, QuadraticModel::Arrays& __restrict out) {
-  addProducts<true>(moments, residuals, J, gradient, out);
+  addProducts<true, false>(moments, residuals, J, gradient, out);
+}
+
+MBA_VO_MULTIVERSION
+void addRolling(const double* __restrict moments, const double* __restrict residuals, const MomentJacobian& J,
+                double* __restrict gradient, QuadraticModel::Arrays& __restrict out) {
+  addProducts<true, true>(moments, residuals, J, gradient, out);
 }
 
 MBA_VO_MULTIVERSION
 void addStill(const double* __restrict moments, const double* __restrict residuals, const MomentJacobian& J,
               double* __restrict gradient, QuadraticModel::Arrays& __restrict out) {
-  addProducts<false>(moments, residuals, J, gradient, out);
+  addProducts<false, false>(moments, residuals, J, gradient, out);
 }
 
 }  // namespace
@@ -100,9 +107,12 @@ QuadraticModel::PatchGradient& QuadraticModel::placeForGradient() {
   return patch_gradients_.size() < patch_gradients_.capacity() ? patch_gradients_.emplace_back() : not_kept_;
 }
 
-void QuadraticModel::add(const PatchSums& sums, const PatchPath& path, double gain, bool moving) {
+void QuadraticModel::add(const PatchSums& sums, const PatchPath& path, double gain, bool moving, bool rolling) {
   const MomentJacobian J = jacobianOf(path, gain, moving);
-  (moving ? addMoving : addStill)(sums.moments.data(), sums.residuals.data(), J, placeForGradient().data(), arrays_);
+  double* gradient = placeForGradient().data();
+  (!moving   ? addStill
+   : rolling ? addRolling
+             : addMoving)(sums.moments.data(), sums.residuals.data(), J, gradient, arrays_);
 }
 
 void QuadraticModel::copyTo(NormalEquations<kStates>& equations) const {

@@ -23,6 +23,7 @@ constexpr double kCommonXiError = 0.12;       // interpolation does; found with 
 constexpr double kLargestAcceleration = 3.0;  // standard deviations of the motion prior
 constexpr double kImplausibleBlur = 0.25;     // of the image's width
 constexpr double kImplausibleLogGain = 1.6;   // contrast five times higher or lower than the reference's
+constexpr double kShortestExposure = 1e-4;    // [s] a rolling shutter tells the velocity even if nothing is blurred
 
 /// Coarse levels see less detail per patch, and 9x9 pixels there span too much depth.
 int patchSide(int level) { return level <= 1 ? 9 : 7; }
@@ -56,7 +57,12 @@ double medianInverseDepth(const Reference& reference) {
 /// What stays the same during one call of track().
 struct Tracker::Job {
   Job(const Reference& r, const Frame& f, const TrackingGuess& g, int levels, int max_points)
-      : reference(r), frame(f), guess(g), median_depth(1.0 / medianInverseDepth(r)) {
+      : reference(r),
+        frame(f),
+        guess(g),
+        rolling(f.pyramid.level(0).camera.row_time != 0.0),
+        exposure(rolling ? std::max(g.trajectory.exposure, kShortestExposure) : g.trajectory.exposure),
+        median_depth(1.0 / medianInverseDepth(r)) {
     for (int level = 0; level < levels; ++level) {
       points.push_back(selectEvenSubset(r, level, patchSide(level), max_points));
     }
@@ -65,6 +71,8 @@ struct Tracker::Job {
   const Reference& reference;
   const Frame& frame;
   const TrackingGuess& guess;
+  bool rolling;                          // shutter
+  double exposure;                       // that xi belongs to [s]
   double median_depth;                   // [m]
   std::vector<std::vector<int>> points;  // to be aligned, by level
 
@@ -84,7 +92,7 @@ struct Tracker::LevelResult {
 std::optional<AlignmentPrior> Tracker::priorFor(const Job& job, const AlignmentState& state) const {
   const auto& motion = job.guess.motion;
   if (!motion || motion->dt == 0.0) return std::nullopt;
-  const double exposure = job.guess.trajectory.exposure;
+  const double exposure = job.exposure;
   AlignmentPrior prior;
   prior.T_reference_mid = motion->predict(exposure).T_reference_mid;
   prior.pose_information = motion->poseInformation(config_.motion_prior, job.median_depth);
@@ -97,7 +105,7 @@ std::optional<AlignmentPrior> Tracker::priorFor(const Job& job, const AlignmentS
 
 Vector6 Tracker::bendFor(const Job& job, const AlignmentState& state) const {
   const auto& motion = job.guess.motion;
-  const double exposure = job.guess.trajectory.exposure;
+  const double exposure = job.exposure;
   // Without the true exposure, the motion within it and that between the frames cannot be compared.
   if (!motion || motion->dt == 0.0 || !job.frame.exposure || exposure <= 0.0) return Vector6::Zero();
   const double limit = kLargestAcceleration * exposure * exposure;
@@ -115,7 +123,8 @@ Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentSt
   options.huber_threshold = config_.huber_threshold;
   options.sample_spacing_px = config_.sample_spacing_px;
   options.max_samples = config_.max_samples;
-  options.estimate_xi = job.guess.trajectory.exposure > 0.0;
+  options.estimate_xi = job.exposure > 0.0;
+  options.exposure = job.exposure;
   options.with_covariance = level == 0;
   AlignmentProblem problem(job.reference, job.points[static_cast<std::size_t>(level)], job.frame, level, pattern,
                            options, priorFor(job, initial), initial);
@@ -128,10 +137,11 @@ Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentSt
 std::vector<AlignmentState> Tracker::starts(const Job& job) const {
   const TrackingGuess& guess = job.guess;
   const double fx = job.reference.pyramid->level(0).camera.fx;
-  const double exposure = guess.trajectory.exposure;
+  const double exposure = job.exposure;
+  const auto seeded = [&](const Vector6& xi) { return job.rolling ? xi : seededXi(xi, fx); };
   AlignmentState first;
   first.T_reference_mid = guess.trajectory.T_reference_mid;
-  first.xi = exposure > 0.0 ? seededXi(guess.trajectory.xi(), fx) : Vector6::Zero();
+  if (exposure > 0.0) first.xi = seeded(exposure * guess.trajectory.velocity);
   first.a = guess.brightness.a - job.reference.brightness.a;
   first.b = guess.brightness.b - std::exp(first.a) * job.reference.brightness.b;
   std::vector<AlignmentState> starts = {first};
@@ -139,7 +149,7 @@ std::vector<AlignmentState> Tracker::starts(const Job& job) const {
   for (const SE3& pose : guess.motion->alternatives()) {
     AlignmentState start = first;
     start.T_reference_mid = pose;
-    if (exposure > 0.0) start.xi = seededXi(guess.motion->expectedXi(pose, exposure), fx);
+    if (exposure > 0.0) start.xi = seeded(guess.motion->expectedXi(pose, exposure));
     starts.push_back(start);
   }
   return starts;
@@ -172,7 +182,7 @@ AlignmentState Tracker::bestStart(const Job& job, int level) const {
 Tracker::LevelResult Tracker::preferExpectedDirection(const Job& job, const LevelResult& result) const {
   // The blurred image hardly tells xi from -xi; continuity with the previous frame does.
   const auto prior = priorFor(job, result.minimum.state);
-  if (!prior || job.guess.trajectory.exposure <= 0.0) return result;
+  if (!prior || job.exposure <= 0.0) return result;
   const Vector6& xi = result.minimum.state.xi;
   if (xi.dot(prior->xi_information.cwiseProduct(prior->xi)) >= 0.0) return result;
   AlignmentState reversed = result.minimum.state;
@@ -186,10 +196,13 @@ Tracker::LevelResult Tracker::preferExpectedDirection(const Job& job, const Leve
 Matrix12 Tracker::covarianceOf(const Job& job, const LevelResult& result) const {
   Matrix12 covariance = result.minimum.equations.covariance().topLeftCorner<12, 12>();
   // No patch tells what is wrong in all of them, nor how much the acceleration differs from what was taken for it. A
-  // bend shifts the mean of the exposure by 1/24.
+  // bend shifts the mean of the exposure by 1/24, and so does the bend over the time that a rolling shutter reads rows,
+  // over which it tells the velocity too.
   const double fx = job.reference.pyramid->level(0).camera.fx;
-  const double exposure = job.guess.trajectory.exposure;
-  const double shift = exposure * exposure / 24.0;
+  const double exposure = job.exposure;
+  const PinholeCamera& camera = job.frame.pyramid.level(0).camera;
+  const double readout = std::abs(camera.row_time) * camera.height;
+  const double shift = (exposure * exposure + readout * readout) / 24.0;
   const auto variance = [&](double common, double unknown_shift, double unit) {
     const double error = common * unit / fx;
     return error * error + unknown_shift * unknown_shift;
@@ -200,8 +213,9 @@ Matrix12 Tracker::covarianceOf(const Job& job, const LevelResult& result) const 
       variance(kCommonPoseError, shift * prior.linear_acceleration * job.median_depth, job.median_depth);
   diagonal.segment<3>(3).array() += variance(kCommonPoseError, shift * prior.angular_acceleration, 1.0);
   if (exposure > 0.0) {
-    diagonal.segment<3>(6).array() += variance(kCommonXiError, 0.0, job.median_depth);
-    diagonal.segment<3>(9).array() += variance(kCommonXiError, 0.0, 1.0);
+    const double common = kCommonXiError * exposure / std::max(exposure, readout);
+    diagonal.segment<3>(6).array() += variance(common, 0.0, job.median_depth);
+    diagonal.segment<3>(9).array() += variance(common, 0.0, 1.0);
   }
   return covariance;
 }
@@ -244,10 +258,10 @@ TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& fra
   TrackedFrame tracked;
   tracked.frame = frame;
   tracked.reference = reference.id;
-  const double exposure = guess.trajectory.exposure;
   tracked.trajectory = {state.T_reference_mid,
-                        exposure > 0.0 ? Vector6(state.xi / exposure) : guess.trajectory.velocity, exposure};
-  if (exposure > 0.0) tracked.trajectory.acceleration = state.bend / (exposure * exposure);
+                        job.exposure > 0.0 ? Vector6(state.xi / job.exposure) : guess.trajectory.velocity,
+                        guess.trajectory.exposure};
+  if (job.exposure > 0.0) tracked.trajectory.acceleration = state.bend / (job.exposure * job.exposure);
   tracked.brightness.a = reference.brightness.a + state.a;
   tracked.brightness.b = state.b + std::exp(state.a) * reference.brightness.b;
   const AlignmentStatistics& statistics = result.minimum.equations.statistics;

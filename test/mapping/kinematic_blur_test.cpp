@@ -23,8 +23,8 @@ TEST(KinematicBlur, IsExactForConstantVelocityAndUnevenIntervals) {
     KinematicBlur blur;
     for (const std::int64_t ns : {0L, 20'000'000L, 75'000'000L, 110'000'000L})
       blur.add(ns, start * SE3::exp(seconds(ns) * v), v);
-    EXPECT_LT((blur.xiOfMiddle(kExposure) - kExposure * v).norm(), 1e-9);
-    EXPECT_EQ(blur.xiOfMiddle(0.0).norm(), 0.0);
+    EXPECT_LT((kExposure * blur.velocityOfMiddle() - kExposure * v).norm(), 1e-9);
+    EXPECT_EQ((0.0 * blur.velocityOfMiddle()).norm(), 0.0);
   }
 }
 
@@ -37,7 +37,7 @@ TEST(KinematicBlur, MeansTheVelocitiesOnBothSidesOfTheLastButOnePose) {
   blur.add(0, SE3(), std::nullopt);
   blur.add(kInterval, middle, std::nullopt);
   blur.add(2 * kInterval, middle * SE3::exp(seconds(kInterval) * after), std::nullopt);
-  EXPECT_LT((blur.xiOfMiddle(kExposure) - kExposure * 0.5 * (before + after)).norm(), 1e-9);
+  EXPECT_LT((kExposure * blur.velocityOfMiddle() - kExposure * 0.5 * (before + after)).norm(), 1e-9);
 }
 
 TEST(KinematicBlur, LeavesOutASideThatIsTooFarAway) {
@@ -45,21 +45,21 @@ TEST(KinematicBlur, LeavesOutASideThatIsTooFarAway) {
   KinematicBlur blur;
   blur.add(0, SE3::exp(9.0 * v), std::nullopt);  // a second before, somewhere else
   blur.add(1'000'000'000, SE3(), std::nullopt);
-  EXPECT_EQ(blur.xiOfMiddle(kExposure).norm(), 0.0);
+  EXPECT_EQ(blur.velocityOfMiddle().norm(), 0.0);
   blur.add(1'000'000'000 + kInterval, SE3::exp(seconds(kInterval) * v), std::nullopt);
-  EXPECT_LT((blur.xiOfMiddle(kExposure) - kExposure * v).norm(), 1e-9);
+  EXPECT_LT((kExposure * blur.velocityOfMiddle() - kExposure * v).norm(), 1e-9);
 }
 
 TEST(KinematicBlur, IgnoresPosesThatAreNotLater) {
   const Vector6 v = (Vector6() << 0.1, 0.2, 0, 0.5, 0, 0).finished();
   KinematicBlur blur;
-  EXPECT_EQ(blur.xiOfMiddle(kExposure).norm(), 0.0);
+  EXPECT_EQ(blur.velocityOfMiddle().norm(), 0.0);
   blur.add(kInterval, SE3::exp(seconds(kInterval) * v), std::nullopt);
-  EXPECT_EQ(blur.xiOfMiddle(kExposure).norm(), 0.0);
+  EXPECT_EQ(blur.velocityOfMiddle().norm(), 0.0);
   blur.add(kInterval, SE3::exp(3.0 * v), std::nullopt);
   blur.add(0, SE3::exp(3.0 * v), std::nullopt);
   blur.add(2 * kInterval, SE3::exp(seconds(2 * kInterval) * v), std::nullopt);
-  EXPECT_LT((blur.xiOfMiddle(kExposure) - kExposure * v).norm(), 1e-9);
+  EXPECT_LT((kExposure * blur.velocityOfMiddle() - kExposure * v).norm(), 1e-9);
 }
 
 /// Rotation about one axis, whose rate is a parabola in time.
@@ -80,7 +80,7 @@ double turnOfMiddle(const JerkyTurn& turn, double common_error) {
     velocity(4) = turn.velocity(seconds(i * kInterval)) + common_error;
     blur.add(i * kInterval, turn.pose(seconds(i * kInterval)), velocity);
   }
-  return blur.xiOfMiddle(kExposure)(4);
+  return kExposure * blur.velocityOfMiddle()(4);
 }
 
 TEST(KinematicBlur, MeasuredVelocitiesCorrectForChangesOfAcceleration) {

@@ -12,8 +12,9 @@ namespace mba_vo {
 namespace {
 
 /// I(x, y) = i + j x + k y + l x y: bilinear interpolation and its derivative are exact everywhere.
-std::shared_ptr<const ImagePyramid> bilinearImage(test::Random& random) {
-  const PinholeCamera camera = test::smallCamera();
+std::shared_ptr<const ImagePyramid> bilinearImage(test::Random& random, double row_time) {
+  PinholeCamera camera = test::smallCamera();
+  camera.row_time = row_time;
   const double j = random.uniform(-0.5, 0.5), k = random.uniform(-0.5, 0.5), l = random.uniform(-4e-3, 4e-3);
   cv::Mat1f image(camera.height, camera.width);
   for (int y = 0; y < image.rows; ++y) {
@@ -24,14 +25,18 @@ std::shared_ptr<const ImagePyramid> bilinearImage(test::Random& random) {
   return test::pyramidOf(image, camera);
 }
 
-WindowState randomState(test::Random& random, bool blurred) {
+enum class Exposure { kSharp, kBlurred, kBlurredRolling };
+
+WindowState randomState(test::Random& random, Exposure exposure) {
+  const double row_time = exposure == Exposure::kBlurredRolling ? 1e-4 : 0.0;
   WindowState state;
   for (int i = 0; i < 3; ++i) {
     KeyframeState k;
     k.id = static_cast<KeyframeId>(i);
-    k.sharp = bilinearImage(random);
-    k.original = bilinearImage(random);
-    if (blurred) k.xi = random.tangent(0.03, 0.03);
+    k.sharp = bilinearImage(random, row_time);
+    k.original = bilinearImage(random, row_time);
+    if (exposure != Exposure::kSharp) k.xi = random.tangent(0.03, 0.03);
+    if (row_time > 0.0) k.velocity = random.tangent(1.0, 1.0);
     k.T_linear = random.pose(0.15, 0.1);
     k.brightness_linear = {random.uniform(-0.2, 0.2), random.uniform(-10.0, 10.0)};
     k.outlier_energy = 1e12;
@@ -99,8 +104,9 @@ ResidualOptions smoothOptions() {
   return options;
 }
 
-class WindowJacobian : public ::testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(SharpAndBlurred, WindowJacobian, ::testing::Bool());
+class WindowJacobian : public ::testing::TestWithParam<Exposure> {};
+INSTANTIATE_TEST_SUITE_P(SharpBlurredRolling, WindowJacobian,
+                         ::testing::Values(Exposure::kSharp, Exposure::kBlurred, Exposure::kBlurredRolling));
 
 // The gradient holds the derivative for the states of hosts and targets alike, each residual with its own random value.
 TEST_P(WindowJacobian, GradientMatchesCentralDifferences) {
@@ -159,13 +165,13 @@ TEST_P(WindowJacobian, HessianIsTheProductOfJacobians) {
     KeyframeState moved = state.keyframe(1);
     moved.delta = d.head<8>();
     const PairGeometry p = makePairGeometry(state.keyframe(0), moved, true);
-    EXPECT_TRUE(p.path->make(residual.centre.cast<double>(), 0.6 + d(8), path));
+    EXPECT_TRUE(p.path->make(residual.centre.cast<double>(), 0.6 + d(8), path, 80.0));
     EXPECT_TRUE(comparePatch(p, path, residual, options, comparison));
     return Eigen::VectorXd::Constant(1, static_cast<double>(comparison.r[0]));
   };
   const Eigen::MatrixXd J = test::numericJacobian(residualAt, 9, 5e-3);
   ResidualSystem system;
-  ASSERT_TRUE(pair.path->make(residual.centre.cast<double>(), 0.6, path));
+  ASSERT_TRUE(pair.path->make(residual.centre.cast<double>(), 0.6, path, 80.0));
   ASSERT_TRUE(comparePatch(pair, path, residual, options, comparison));
   assembleSystem(comparison, path, pair.blurred, system);
   Eigen::Matrix<double, 9, 9> H;
@@ -199,8 +205,8 @@ TEST_P(WindowJacobian, ReducedSystemHasNoInformationAboutTheGauge) {
     gauge.block<3, 1>(8 * k, 6) = T.rotation().inverse() * T.translation();
   }
   const double size = reduced.H.norm();
-  // The path of a blurred patch contains the target's motion in metres, which does not scale with the window.
-  const int directions = GetParam() ? 6 : 7;
+  // The path of a blurred patch contains motion in metres, which does not scale with the window.
+  const int directions = GetParam() == Exposure::kSharp ? 7 : 6;
   for (int i = 0; i < directions; ++i) {
     EXPECT_LT((reduced.H * gauge.col(i)).norm(), 1e-12 * size * gauge.col(i).norm()) << "direction " << i;
   }
@@ -208,7 +214,7 @@ TEST_P(WindowJacobian, ReducedSystemHasNoInformationAboutTheGauge) {
 
 TEST(PhotometricResidual, PixelsOutsideOrInvalidAreNotUsed) {
   test::Random random(1);
-  WindowState state = randomState(random, false);
+  WindowState state = randomState(random, Exposure::kSharp);
   state.keyframe(1).T_linear = state.keyframe(0).T_linear;
   const PairGeometry pair = makePairGeometry(state.keyframe(0), state.keyframe(1), true);
   PatchResidual residual;

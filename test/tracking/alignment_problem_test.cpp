@@ -25,7 +25,7 @@ struct SmoothScene {
   std::vector<int> points;  // away from the border, where no pixel leaves the image
 };
 
-SmoothScene makeScene(const Vector6& image_xi = Vector6::Zero()) {
+SmoothScene makeScene(const Vector6& image_xi = Vector6::Zero(), double row_time = 0.0) {
   const SimulatedFrame a = test::roomSimulator().render(40);
   const SimulatedFrame b = test::roomSimulator().render(41);
   const auto smooth = [](const cv::Mat1b& image) {
@@ -34,9 +34,14 @@ SmoothScene makeScene(const Vector6& image_xi = Vector6::Zero()) {
     return result;
   };
   SmoothScene scene;
+  PinholeCamera camera = test::roomSimulator().camera();
+  camera.row_time = row_time;
   scene.reference = test::makeReference(a, smooth(a.sharp), 600);
+  scene.reference->pyramid = std::make_shared<const ImagePyramid>(smooth(a.sharp), camera, 5);
   scene.reference->image_xi = image_xi;
-  scene.frame = test::makeFrame(smooth(b.blurred), 0, 0.02);
+  auto frame = std::make_shared<Frame>(*test::makeFrame(smooth(b.blurred), 0, 0.02));
+  frame->pyramid = ImagePyramid(smooth(b.blurred), camera, 5);
+  scene.frame = frame;
   for (std::size_t i = 0; i < scene.reference->points.size(); ++i) {
     scene.reference->points[i].variance = 0.0F;  // else the weights depend on the state too
     const Eigen::Vector2f pixel = scene.reference->points[i].pixel;
@@ -114,6 +119,26 @@ TEST(AlignmentProblem, GradientHoldsWithPriorsAndABlurredReference) {
     AlignmentProblem problem(*scene.reference, scene.points, *scene.frame, 0, kPattern, smoothOptions(), prior, state);
     expectGradientOfCost(problem, state);
   }
+}
+
+TEST(AlignmentProblem, GradientHoldsWithARollingShutter) {
+  test::Random random(8);
+  const SmoothScene scene = makeScene(Vector6::Zero(), 1e-4);
+  scene.reference->velocity = random.tangent(0.3, 0.5);
+  AlignmentOptions options = smoothOptions();
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(AlignmentProblem::kStates);
+  for (const int level : {0, 1}) {
+    for (const double exposure : {0.02, 0.005}) {
+      options.exposure = exposure;
+      AlignmentState state = stateAt(random);
+      state.xi = exposure * random.tangent(0.3, 0.5);
+      state.bend = exposure * exposure * random.tangent(5.0, 10.0);
+      AlignmentProblem problem(*scene.reference, scene.points, *scene.frame, level, kPattern, options, std::nullopt,
+                               state);
+      largest = largest.cwiseMax(expectGradientOfCost(problem, state));
+    }
+  }
+  EXPECT_GT(largest.minCoeff(), 0.1) << largest.transpose();
 }
 
 TEST(AlignmentProblem, HessianIsSymmetricAndPredictsTheCostOfSmallSteps) {

@@ -22,7 +22,7 @@ struct Sample {
   PatchPath path;
 };
 
-Sample randomSample(test::Random& random) {
+Sample randomSample(test::Random& random, bool rolling) {
   Sample s;
   const auto fill = [&](std::array<float, kMaxPatchPixels>& row, double size) {
     for (float& value : row) value = static_cast<float>(random.uniform(-size, size));
@@ -41,6 +41,7 @@ Sample randomSample(test::Random& random) {
     for (int row = 0; row < 2; ++row) {
       s.path.J_pose[part].row(row) = random.tangent(1.0, 1.0).transpose();
       s.path.J_xi[part].row(row) = random.tangent(1.0, 1.0).transpose();
+      if (rolling) s.path.J_xi_row.row(row) = random.tangent(1.0, 1.0).transpose();
     }
   }
   return s;
@@ -54,14 +55,14 @@ Eigen::Matrix<double, 1, 14> derivative(const Sample& s, std::size_t k, bool mov
   J.head<6>() = -kGain * g * s.path.J_pose[0];
   if (moving) {
     J.head<6>() -= kGain * ug * s.path.J_pose[1];
-    J.segment<6>(6) = -kGain * (ug * s.path.J_xi[0] + uug * s.path.J_xi[1]);
+    J.segment<6>(6) = -kGain * (g * s.path.J_xi_row + ug * s.path.J_xi[0] + uug * s.path.J_xi[1]);
   }
   J(12) = -kGain * p.value[k];
   J(13) = -1.0;
   return J;
 }
 
-void expectSameAsPixelByPixel(bool moving) {
+void expectSameAsPixelByPixel(bool moving, bool rolling) {
   test::Random random(8);
   QuadraticModel model(3);
   NormalEquations<14> expected;
@@ -72,10 +73,10 @@ void expectSameAsPixelByPixel(bool moving) {
   weighting.huber_threshold = static_cast<float>(kThreshold);
   const HuberLoss loss(kThreshold);
   for (int patch = 0; patch < 3; ++patch) {
-    const Sample s = randomSample(random);
+    const Sample s = randomSample(random, rolling);
     const PatchSums sums = sumPatch(s.predicted, s.intensity, kPixels, moving, weighting);
     model.cost += sums.cost;
-    model.add(sums, s.path, kGain, moving);
+    model.add(sums, s.path, kGain, moving, rolling);
     EXPECT_EQ(sums.pixels, kPixels - 2);
     Eigen::Matrix<double, 14, 1> gradient = Eigen::Matrix<double, 14, 1>::Zero();
     for (std::size_t k = 0; k < kPixels; ++k) {
@@ -103,9 +104,11 @@ void expectSameAsPixelByPixel(bool moving) {
   }
 }
 
-TEST(QuadraticModel, OfAMovingPatchIsTheSumOverItsPixels) { expectSameAsPixelByPixel(true); }
+TEST(QuadraticModel, OfAMovingPatchIsTheSumOverItsPixels) { expectSameAsPixelByPixel(true, false); }
 
-TEST(QuadraticModel, WithoutMotionXiIsNoState) { expectSameAsPixelByPixel(false); }
+TEST(QuadraticModel, OfARollingShutterToo) { expectSameAsPixelByPixel(true, true); }
+
+TEST(QuadraticModel, WithoutMotionXiIsNoState) { expectSameAsPixelByPixel(false, false); }
 
 }  // namespace
 }  // namespace mba_vo

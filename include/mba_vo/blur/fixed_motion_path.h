@@ -1,6 +1,7 @@
 #pragma once
 
 #include "mba_vo/blur/patch_path.h"
+#include "mba_vo/blur/row_motion.h"
 
 namespace mba_vo {
 
@@ -9,28 +10,33 @@ namespace mba_vo {
 class FixedMotionPathMaker {
  public:
   FixedMotionPathMaker(const PinholeCamera& reference_camera, const PinholeCamera& camera,
-                       const ExposureTrajectory& trajectory);
+                       const ExposureTrajectory& trajectory, const RowMotion& rows = {});
 
   /// As PatchPathMaker::make, but leaves J_xi as it is.
-  bool make(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const;
+  bool make(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path, double reference_row = 0.0) const;
   /// The same without J_pose, for half the time.
-  bool makeWithoutPose(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const;
+  bool makeWithoutPose(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path,
+                       double reference_row = 0.0) const;
 
  private:
-  struct Moment {
-    Eigen::Matrix3d R;
-    Eigen::Vector3d p;
-  };
   struct Hit;
-  bool hit(const Moment& moment, const Eigen::Vector3d& ray, double inverse_depth, Hit& hit) const;
-  Matrix26 poseJacobian(const Hit& hit, double inverse_depth) const;
+  struct Moments {
+    RigidMotion start, mid, end;
+    RigidMotion carrier;  // what an increment of the pose moves: `mid`, but for the time of the camera's row
+  };
+  /// Those of the camera's row `row` relative to where the reference was at its `reference_row`.
+  Moments momentsAt(double row, double reference_row) const;
+  bool hit(const RigidMotion& moment, const Eigen::Vector3d& ray, double inverse_depth, Hit& hit) const;
+  Matrix26 poseJacobian(const RigidMotion& carrier, const Hit& hit, double inverse_depth) const;
   template <bool WithPose>
-  bool makePath(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const;
+  bool makePath(const Moments& moments, const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const;
 
   PinholeCamera reference_camera_;
   PinholeCamera camera_;
   bool moving_;
-  Moment start_, mid_, end_;
+  bool rolling_;
+  RowMotion rows_;
+  Moments moments_;  // of the middle rows
 };
 
 }  // namespace mba_vo

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "mba_vo/blur/row_motion.h"
 #include "mba_vo/geometry/exposure_trajectory.h"
 #include "mba_vo/geometry/pinhole_camera.h"
 
@@ -31,9 +32,10 @@ struct PatchPath {
   Eigen::Vector2f c0, c1, c2;  // [px]
   Eigen::Matrix2f A0, A1;
   // Derivatives of the path, linear in u: d x / d delta = J_pose[0] + u J_pose[1] for a right increment of T_mid and
-  // d x / d xi = u (J_xi[0] + u J_xi[1]).
+  // d x / d xi = J_xi_row + u (J_xi[0] + u J_xi[1]).
   std::array<Matrix26, 2> J_pose{Matrix26::Zero(), Matrix26::Zero()};
   std::array<Matrix26, 2> J_xi{Matrix26::Zero(), Matrix26::Zero()};
+  Matrix26 J_xi_row = Matrix26::Zero();  // with a rolling shutter, by the time of the row
   std::array<Eigen::Vector2d, 2> J_inverse_depth;
 
   /// Length of the path of the centre [px].
@@ -46,30 +48,40 @@ struct PatchPath {
 void applySlope(const Eigen::Vector2d& slope, const Eigen::Vector2d& anchor, PatchPath& path);
 
 /// Makes the paths of many patches for one exposure trajectory (relative to the reference); what depends on the
-/// trajectory alone is computed once.
+/// trajectory alone is computed once. With a rolling shutter (PinholeCamera::row_time) the rows of the patch's centre
+/// and of the point in the reference stand for the whole patch, and the exposure must not be 0. The rows of the camera
+/// follow the trajectory with its acceleration; the reference is taken to have none.
 class PatchPathMaker {
  public:
   PatchPathMaker(const PinholeCamera& reference_camera, const PinholeCamera& camera,
-                 const ExposureTrajectory& trajectory);
+                 const ExposureTrajectory& trajectory, const Vector6& reference_velocity = Vector6::Zero());
 
   /// Path of the patch around `pixel` of the blurred image on the plane of `inverse_depth` in the reference. Returns
-  /// false if any part of the path is behind a camera.
-  bool make(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const;
+  /// false if any part of the path is behind a camera. `reference_row`: of the point, for a rolling shutter.
+  bool make(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path, double reference_row = 0.0) const;
 
  private:
   struct Moment {
-    Eigen::Matrix3d R;
-    Eigen::Vector3d p;
+    RigidMotion pose;
     Matrix6 xi_factor;  // right Jacobian of the motion since mid-exposure
   };
+  struct Moments {
+    Moment start, mid, end;
+    RigidMotion carrier;  // T_mid relative to the reference at the time of its row
+    double row = 0.0;     // time of the camera's row, in exposures
+  };
   static Moment momentAt(const ExposureTrajectory& trajectory, double u);
-  /// d pixel / d right increment of T_mid, which carries the whole trajectory and so the point P with it.
-  Matrix26 midPoseJacobian(const Eigen::Matrix<double, 2, 3>& J_shift, const Eigen::Vector3d& P) const;
+  Moments momentsAt(double row, double reference_row) const;
+  bool makePath(const Moments& moments, const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const;
 
   PinholeCamera reference_camera_;
   PinholeCamera camera_;
   bool moving_;
-  Moment start_, mid_, end_;
+  bool rolling_;
+  ExposureTrajectory trajectory_;
+  Vector6 reference_velocity_;
+  Matrix6 first_order_, second_order_;  // J_r(u xi) = I + u (first + u second), for a rolling shutter
+  Moments moments_;                     // of the middle rows
 };
 
 /// The same for a single patch.

@@ -13,11 +13,18 @@ struct ExposureTrajectory {
   Vector6 acceleration = Vector6::Zero();  // [m/s^2, rad/s^2]
 
   /// Pose at time t [s] after mid-exposure.
-  SE3 at(double t) const { return T_reference_mid * SE3::exp(t * velocity + 0.5 * t * t * acceleration); }
+  SE3 at(double t) const { return T_reference_mid * SE3::exp(motionUntil(t)); }
+  /// Log(T_mid^-1 T(t)).
+  Vector6 motionUntil(double t) const { return t * velocity + 0.5 * t * t * acceleration; }
   SE3 start() const { return at(-0.5 * exposure); }
   SE3 end() const { return at(0.5 * exposure); }
   /// Motion over the whole exposure, Log(T_start^-1 T_end), exact without acceleration [m, rad].
   Vector6 xi() const { return exposure * velocity; }
+  /// The same motion through an exposure that begins and ends `delay` [s] later, as that of another row of a rolling
+  /// shutter. Neglected: that velocity and acceleration do not commute, an error of the third order in time.
+  ExposureTrajectory delayed(double delay) const {
+    return {at(delay), velocity + delay * acceleration, exposure, acceleration};
+  }
 
   static ExposureTrajectory fromStartAndEnd(const SE3& start, const SE3& end, double exposure);
 };

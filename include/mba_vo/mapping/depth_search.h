@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "mba_vo/mapping/epipolar_line.h"
 #include "mba_vo/mapping/search_patch.h"
 #include "mba_vo/tracking/tracked_frame.h"
@@ -60,8 +62,9 @@ class DepthSearcher {
  public:
   /// `T_host`: the frame's exposure trajectory relative to the host. `gain`, `offset`: expected frame intensity = gain
   /// * host intensity + offset. The pyramids must outlive the searcher.
+  /// `host_velocity`: for a rolling shutter.
   DepthSearcher(const ImagePyramid& host, const ImagePyramid& frame, const ExposureTrajectory& T_host, double gain,
-                double offset, const DepthSearchConfig& config);
+                double offset, const DepthSearchConfig& config, const Vector6& host_velocity = Vector6::Zero());
 
   /// Safe to call from several threads for different points.
   void search(ImmaturePoint& point) const;
@@ -81,6 +84,14 @@ class DepthSearcher {
     Match second;  // next best place, beyond the flanks of the best one
   };
 
+  DepthSearcher(const ImageLevel& host, const ImageLevel& frame, const ExposureTrajectory& T_host, double gain,
+                double offset, const DepthSearchConfig& config, const Vector6& host_velocity);
+  /// With a rolling shutter, each point and each row of the frame has a relative pose of its own.
+  void searchRolling(ImmaturePoint& point) const;
+  void searchBetween(double host_row, double frame_row, ImmaturePoint& point) const;
+  std::optional<double> expectedRow(const ImmaturePoint& point) const;
+  void searchLine(const EpipolarLine& line, ImmaturePoint& point) const;
+
   bool isInside(const Eigen::Vector2d& pixel) const;
   bool chooseRange(const EpipolarLine& line, ImmaturePoint& point, Range& range) const;
   int segmentCount(const EpipolarLine& line, const Range& range) const;
@@ -93,6 +104,10 @@ class DepthSearcher {
   const ImageLevel* host_;
   const ImageLevel* frame_;
   DepthSearchConfig config_;
+  ExposureTrajectory T_host_;
+  Vector6 host_velocity_;
+  double gain_;
+  double offset_;
   HostToFrame transform_;
   SearchPatchMaker patch_maker_;
 };

@@ -8,7 +8,7 @@
 
 namespace mba_vo {
 
-/// Motion within an exposure, mostly by the poses of the frames before and after it. A blurred image compared with a
+/// Velocity during an exposure, mostly by the poses of the frames before and after it. A blurred image compared with a
 /// blurred reference tells only by how much more the one is blurred than the other: a reference's error goes over to
 /// the motion measured in the next frame, and from there to the next reference. The poses at mid-exposure, which hardly
 /// depend on the blur, hold that back.
@@ -18,9 +18,9 @@ class KinematicBlur {
   /// Must be increasing in time; one that is not is ignored.
   void add(std::int64_t mid_exposure_ns, const SE3& T_map_camera, const std::optional<Vector6>& velocity);
 
-  /// xi of the last but one frame for its `exposure` [s]. Zero if fewer than two poses are known, or those on both
-  /// sides are too far away in time.
-  Vector6 xiOfMiddle(double exposure) const;
+  /// Of the last but one frame [m/s, rad/s, body frame]. Zero if fewer than two poses are known, or those on both sides
+  /// are too far away in time.
+  Vector6 velocityOfMiddle() const;
 
  private:
   struct Pose {

@@ -36,9 +36,9 @@ class LocalMap {
   /// Refines the depths of all immature points with a tracked frame.
   void searchDepths(const TrackedFrame& tracked);
 
-  /// Makes the tracked frame, which moved by `xi` within its exposure, a keyframe: deblurs, activates points, optimises
+  /// Makes the tracked frame, which moved at `velocity`, a keyframe: deblurs, activates points, optimises
   /// and marginalises.
-  KeyframeReport insertKeyframe(const TrackedFrame& tracked, const Vector6& xi);
+  KeyframeReport insertKeyframe(const TrackedFrame& tracked, const Vector6& velocity);
 
   SE3 T_map_camera(const TrackedFrame& tracked) const;
 
@@ -56,7 +56,7 @@ class LocalMap {
   };
 
   void addKeyframe(const FrameConstPtr& frame, const std::shared_ptr<const ImagePyramid>& sharp,
-                   const SE3& T_map_keyframe, const Vector6& xi, const AffineBrightness& brightness);
+                   const SE3& T_map_keyframe, const Vector6& velocity, const AffineBrightness& brightness);
   std::shared_ptr<const ImagePyramid> deblur(const TrackedFrame& tracked, const SE3& T_map_keyframe) const;
   void activatePoints();
   SurfaceSlopes slopesIn(KeyframeId keyframe) const;

@@ -21,6 +21,7 @@ struct PairGeometry {
   const ImageLevel* host_image = nullptr;
   const ImageLevel* target_image = nullptr;
   SE3 T_target_host;
+  RowMotion rows;                                  // of target and host
   std::optional<FixedMotionPathMaker> path;        // at the current state, with the target's motion
   std::optional<FixedMotionPathMaker> first_path;  // at the linearisation points, if they differ
   std::optional<CommutedBlur> commuted;            // if the host's image is itself blurred

@@ -54,6 +54,7 @@ struct WindowKeyframe {
   Vector6 xi = Vector6::Zero();        // motion within its exposure, camera frame
   Vector6 image_xi = Vector6::Zero();  // motion blur left in `sharp`, 0 = none [m, rad]
   AffineBrightness brightness;
+  Vector6 velocity = Vector6::Zero();  // while the rows of a rolling shutter are read [m/s, rad/s]
 };
 
 /// State of one active point, for callers.
@@ -111,6 +112,7 @@ class Window {
 
   std::vector<KeyframeId> keyframes() const;  // by age, oldest first
   SE3 T_map_keyframe(KeyframeId id) const;
+  Vector6 velocity(KeyframeId id) const;
   AffineBrightness brightness(KeyframeId id) const;
   std::vector<WindowPoint> points() const;
   int pointCount() const;

@@ -25,6 +25,7 @@ struct KeyframeState {
   std::shared_ptr<const ImagePyramid> original;
   Vector6 xi = Vector6::Zero();
   Vector6 image_xi = Vector6::Zero();  // motion blur left in `sharp`, 0 = none [m, rad]
+  Vector6 velocity = Vector6::Zero();  // while the rows of a rolling shutter are read [m/s, rad/s]
   SE3 T_linear;
   AffineBrightness brightness_linear;
   Vector8 delta = Vector8::Zero();

@@ -30,6 +30,7 @@ struct AlignmentOptions {
   int max_samples = 64;
   bool estimate_xi = true;       // false: the exposure is instantaneous, xi stays zero
   bool with_covariance = false;  // keep what it needs
+  double exposure = 1.0;         // [s] that xi belongs to; matters to a rolling shutter alone
   double residual_sigma = 20.0;  // [grey levels] weight of the priors against the pixels, correlation included
   double depth_noise = 3.0;      // [grey levels] pixel noise that the effect of depth uncertainty is compared with
 };
@@ -84,6 +85,7 @@ class AlignmentProblem {
  private:
   struct Patch {
     Eigen::Vector2d centre;  // integer pixel of the frame on this level
+    double reference_row;    // of the point, on this level
     double inverse_depth;
     double inverse_depth_variance;
     std::array<float, kMaxPatchPixels> intensity;  // of the frame, NaN where invalid
@@ -91,7 +93,8 @@ class AlignmentProblem {
   class Sums;
 
   void selectPatches(const AlignmentState& state);
-  std::optional<Eigen::Vector2d> projectPoint(const ReferencePoint& point, const SE3& T_frame_reference) const;
+  std::optional<Eigen::Vector2d> projectPoint(const ReferencePoint& point, const SE3& T_frame_reference,
+                                              const Vector6& velocity) const;
   void addPatch(const Patch& patch, const PatchPathMaker& maker, const AlignmentState& state, QuadraticModel& model,
                 Sums& sums) const;
   void addPriors(const AlignmentState& state, Equations& equations) const;
@@ -101,6 +104,7 @@ class AlignmentProblem {
   const ImageLevel& reference_level_;
   const ImageLevel& frame_level_;
   const PatchPattern& pattern_;
+  bool rolling_;
   AlignmentOptions options_;
   std::optional<AlignmentPrior> prior_;
   HuberLoss loss_;

@@ -22,8 +22,8 @@ class QuadraticModel {
   /// Keeps the gradients of so many patches one by one.
   explicit QuadraticModel(std::size_t kept_gradients = 0) { patch_gradients_.reserve(kept_gradients); }
 
-  /// `gain`: e^a. `moving` false: xi is no state.
-  void add(const PatchSums& sums, const PatchPath& path, double gain, bool moving);
+  /// `gain`: e^a. `moving` false: xi is no state. `rolling`: the path has a J_xi_row.
+  void add(const PatchSums& sums, const PatchPath& path, double gain, bool moving, bool rolling = false);
   void copyTo(NormalEquations<kStates>& equations) const;
   /// What each of the first patches added to the gradient, padded with zeros.
   std::vector<PatchGradient> takePatchGradients() { return std::move(patch_gradients_); }

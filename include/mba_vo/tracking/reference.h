@@ -53,6 +53,7 @@ struct Reference {
   SE3 T_map_reference;
   std::shared_ptr<const ImagePyramid> pyramid;
   Vector6 image_xi = Vector6::Zero();  // motion blur left in the image, 0 = sharp [m, rad]
+  Vector6 velocity = Vector6::Zero();  // while the rows of a rolling shutter are read [m/s, rad/s]
   AffineBrightness brightness;         // of the reference image
   std::vector<ReferencePoint> points;
   std::map<KeyframeId, SE3> T_map_keyframe;  // the window's poses at the same moment

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <utility>
+
+#include "mba_vo/geometry/pinhole_camera.h"
+#include "mba_vo/geometry/se3.h"
+
+namespace mba_vo {
+
+/// A pose as the paths need it: x -> R x + p.
+struct RigidMotion {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+
+  RigidMotion() = default;
+  RigidMotion(Eigen::Matrix3d rotation, Eigen::Vector3d translation)
+      : R(std::move(rotation)), p(std::move(translation)) {}
+  explicit RigidMotion(const SE3& T) : R(T.rotationMatrix()), p(T.translation()) {}
+
+  RigidMotion operator*(const RigidMotion& o) const { return {R.lazyProduct(o.R), R.lazyProduct(o.p) + p}; }
+};
+
+/// Exp(xi) of the short motions between the rows of a rolling shutter: exact to the fourth order in the angle.
+RigidMotion shortMotion(const Vector6& xi);
+/// Exp(t v), t [s].
+inline RigidMotion shortMotion(const Vector6& velocity, double t) { return shortMotion(t * velocity); }
+
+/// How camera and reference move while their rows are read out [m/s, rad/s, each in its own axes]. The camera is at
+/// T_reference_camera Exp(t v) when the row is exposed that comes t after the middle row, acceleration being neglected.
+/// No matter with a global shutter.
+struct RowMotion {
+  Vector6 camera = Vector6::Zero();
+  Vector6 reference = Vector6::Zero();
+};
+
+/// Where and how deep a camera with a rolling shutter sees a point.
+struct RollingProjection {
+  Eigen::Vector2d pixel;
+  double depth;  // at the time of the pixel's row [m]
+};
+
+/// `point` in the camera's axes at the time of the middle row. The row decides when the point is seen, and the time
+/// where: a fixed point. Acceleration is neglected: this place only chooses a pixel, or a row. nullopt if the point is
+/// behind the camera.
+std::optional<RollingProjection> projectRolling(const PinholeCamera& camera, const Vector6& velocity,
+                                                const Eigen::Vector3d& point);
+
+}  // namespace mba_vo
