@@ -28,7 +28,7 @@ Vector6 KinematicBlur::velocityOfMiddle() const {
     ++count;
   }
   if (count == 0) return Vector6::Zero();
-  const Vector6 mean = velocities / count;
+  Vector6 mean = velocities / count;
   const auto measured = [&](const Pose& pose) { return pose.velocity.has_value(); };
   if (count + 1 < static_cast<int>(kPoses) || !std::all_of(poses_.begin(), poses_.end(), measured)) {
     return mean;
