@@ -32,6 +32,7 @@ struct OfflineResult {
   std::vector<TrajectoryEntry> trajectory;
   StageTimes times;
   std::size_t skipped = 0;
+  ExposureEstimate exposure;  // the latest
 };
 
 /// Called after every image with the number of images done.

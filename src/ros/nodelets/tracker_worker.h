@@ -52,7 +52,7 @@ class TrackerWorker {
   void catchUp();
   void forward(const TrackedFrameConstPtr& tracked, bool has_reference);
   void publishMotion(const TrackedFrameConstPtr& tracked);
-  std::string exposureSource(const InputImage& image, const Frame& frame) const;
+  std::string exposureSource(const InputImage& image, const TrackedFrame& tracked) const;
 
   const NodeConfig config_;
   CalibrationStore& calibration_;
