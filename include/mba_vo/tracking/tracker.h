@@ -70,7 +70,7 @@ class Tracker {
   LevelResult align(const Job& job, int level, const AlignmentState& initial, int max_iterations) const;
   LevelResult preferExpectedDirection(const Job& job, const LevelResult& result) const;
   std::optional<AlignmentPrior> priorFor(const Job& job, const AlignmentState& state) const;
-  Matrix12 covarianceOf(const Job& job, const LevelResult& result) const;
+  Matrix12 covarianceOf(const Job& job, const LevelResult& result, double blur_px) const;
   void judge(double log_gain, TrackedFrame& tracked) const;
 
   TrackerConfig config_;
