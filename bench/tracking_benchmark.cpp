@@ -63,14 +63,17 @@ void track(benchmark::State& state) {
   const Vector6 error = (Vector6() << 0, 0, 0, 0.006, 0.006, 0).finished();
   prior.previous = {SE3(), (motion(0.0).inverse() * motion(kInterval) * SE3::exp(error)).log() / kInterval, kExposure};
   prior.dt = kInterval;
-  const Tracker tracker{TrackerConfig()};
+  TrackerConfig config;
+  config.max_points = static_cast<int>(state.range(1));
+  const Tracker tracker(config);
   TrackedFrame tracked;
   for (auto _ : state) tracked = tracker.track(reference, frame, TrackingGuess(prior, blur_px > 0.0 ? kExposure : 0.0));
   state.counters["patches"] = tracked.points_used;
   state.counters["blur_px"] = tracked.measures.blur_length_px;
   state.SetLabel(toString(tracked.status));
 }
-BENCHMARK(track)->Arg(0)->Arg(10)->Arg(40)->Unit(benchmark::kMillisecond);
+// By default, and with about 440 patches on the finest level.
+BENCHMARK(track)->ArgsProduct({{0, 10, 40}, {TrackerConfig().max_points, 520}})->Unit(benchmark::kMillisecond);
 
 /// One 9x9 patch, or one sparse 8-pixel patch, of `samples` samples.
 void reblur(benchmark::State& state, const PatchPattern& pattern) {
@@ -84,8 +87,9 @@ void reblur(benchmark::State& state, const PatchPattern& pattern) {
     reblurPatch(image->level(0), path, pattern, samples, patch);
     benchmark::DoNotOptimize(patch);
   }
-  state.counters["pixel-samples/s"] =
-      benchmark::Counter(static_cast<double>(pattern.size) * samples, benchmark::Counter::kIsIterationInvariantRate);
+  using Counter = benchmark::Counter;
+  const double pixel_samples = static_cast<double>(pattern.size) * samples;
+  state.counters["s per pixel-sample"] = Counter(pixel_samples, Counter::kIsIterationInvariantRate | Counter::kInvert);
 }
 BENCHMARK_CAPTURE(reblur, square9, PatchPattern::square(9))->Arg(1)->Arg(8)->Arg(32);
 BENCHMARK_CAPTURE(reblur, spread8, PatchPattern::spread8())->Arg(1)->Arg(8)->Arg(32);

@@ -13,3 +13,7 @@ file(GLOB tracking_study_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/bench/tra
 add_executable(tracking_study ${tracking_study_sources})
 mba_vo_options(tracking_study)
 target_link_libraries(tracking_study PRIVATE mba_vo_tracking mba_vo_simulation)
+
+add_executable(honesty_study bench/honesty_study.cpp)
+mba_vo_options(honesty_study)
+target_link_libraries(honesty_study PRIVATE mba_vo_io mba_vo_evaluation)

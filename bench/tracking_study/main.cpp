@@ -1,8 +1,9 @@
 // Measures Tracker::track() on simulated sequences against the exact truth, by class of blur.
-//   tracking_study [SEQUENCES=4] [SHARE=1] [LIST]
-// SEQUENCES: seeds 1.. of room and motion; SHARE: part of the frames to be measured; LIST: a file for one line per
-// frame. Each frame is tracked on its own, relative to a sharp image with true depths, from the guess that the motion
-// between the two frames before repeats itself, and from the guess that is left when the frame before is lost.
+//   tracking_study [SEQUENCES=4] [SHARE=1] [LIST] [FIRST=1]
+// SEQUENCES: seeds FIRST.. of room and motion; SHARE: part of the frames to be measured; LIST: a file for one line per
+// frame, "" for none. Each frame is tracked on its own, relative to a sharp image with true depths, from the guess that
+// the motion between the two frames before repeats itself, and from the guess that is left when the frame before is
+// lost.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -86,10 +87,14 @@ std::string percent(const Measurements& all, Value value, Chosen chosen = any) {
   return mean(all, value, chosen, 100.0, "%.2f %%");
 }
 
-Measurements measure(const BlurClass& blur, int sequences, double share, std::ofstream& list) {
+struct Seeds {
+  int first, count;
+};
+
+Measurements measure(const BlurClass& blur, const Seeds& seeds, double share, std::ofstream& list) {
   const Tracker tracker{TrackerConfig()};
   Measurements measurements;
-  for (int seed = 1; seed <= sequences; ++seed) {
+  for (int seed = seeds.first; seed < seeds.first + seeds.count; ++seed) {
     const auto frames = static_cast<int>(std::lround(share * blur.frames_per_sequence));
     Sequence(seed, blur).forEach(frames, [&](const Case& c) {
       const TrackedFrame tracked = tracker.track(*c.reference, c.frame, {c.prior, blur.exposure});
@@ -145,7 +150,7 @@ void printRow(const std::vector<std::string>& cells) {
   std::fflush(stdout);
 }
 
-void run(int sequences, double share, const std::string& list_file) {
+void run(const Seeds& seeds, double share, const std::string& list_file) {
   std::ofstream list(list_file);
   std::printf("Errors: median and 90 %% of the frames. NEES: mean over the converged frames, 1 is right.\n\n");
   const std::vector<std::string> header = {"blur at 2 m [px]",
@@ -163,7 +168,7 @@ void run(int sequences, double share, const std::string& list_file) {
                                            "track() [ms]"};
   printRow(header);
   printRow(std::vector<std::string>(header.size(), "---"));
-  for (const BlurClass& blur : kClasses) printRow(row(blur, measure(blur, sequences, share, list)));
+  for (const BlurClass& blur : kClasses) printRow(row(blur, measure(blur, seeds, share, list)));
 }
 
 }  // namespace
@@ -173,6 +178,7 @@ int main(int argc, char** argv) {
   cv::setNumThreads(1);
   const int sequences = argc > 1 ? std::stoi(argv[1]) : 4;
   const double share = argc > 2 ? std::stod(argv[2]) : 1.0;
-  mba_vo::study::run(sequences, share, argc > 3 ? argv[3] : "");
+  const int first = argc > 4 ? std::stoi(argv[4]) : 1;
+  mba_vo::study::run({first, sequences}, share, argc > 3 ? argv[3] : "");
   return 0;
 }

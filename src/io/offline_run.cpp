@@ -1,6 +1,7 @@
 #include "mba_vo/io/offline_run.h"
 
 #include <chrono>
+#include <cmath>
 #include <stdexcept>
 
 #include "mba_vo/io/photometric_files.h"
@@ -27,6 +28,13 @@ FrameBuilder makeFrameBuilder(const CameraCalibration& calibration, const FrameB
   return {calibration, loadPhotometricCalibration(config.response_file, config.vignette_file), config};
 }
 
+/// An exposure that is set for all images is not to be corrected.
+OdometryConfig believing(const OfflineOptions& options) {
+  OdometryConfig config = options.config;
+  if (options.exposure) config.tracker.estimate_exposure = false;
+  return config;
+}
+
 /// Takes image after image through guard, frame builder and odometry.
 class Run {
  public:
@@ -34,7 +42,7 @@ class Run {
       : start_(options.config.mapper.start_correction),
         exposure_(options.exposure),
         builder_(makeFrameBuilder(calibration, options.config.image)),
-        odometry_(options.config, options.reference_delay_frames) {
+        odometry_(believing(options), options.reference_delay_frames) {
     builder_.correct(odometry_.correction());
   }
 
@@ -72,6 +80,10 @@ class Run {
   std::vector<TrajectoryEntry> trajectory() const { return odometry_.trajectory(); }
 
  private:
+  static void note(const TrackedFrame& tracked, OfflineResult& result) {
+    if (std::isfinite(tracked.exposure_estimate.log_sigma)) result.exposure = tracked.exposure_estimate;
+  }
+
   static void account(const OdometryResult& odometry, double processing, const std::string& warning,
                       OfflineResult& result) {
     constexpr double kSecondsPerMillisecond = 1e-3;
@@ -79,6 +91,8 @@ class Run {
     result.times.mapping += mapping;
     result.times.tracking += processing - mapping;
     result.log.add(odometry, warning);
+    for (const TrackedFrameConstPtr& late : odometry.late) note(*late, result);
+    if (odometry.tracked) note(*odometry.tracked, result);
   }
 
   FrameConstPtr build(const SequenceImage& image, const std::optional<double>& exposure, double& seconds) const {

@@ -15,6 +15,7 @@ void appendText(std::string& text, const std::string& more) {
 
 void takeTracking(const TrackedFrame& tracked, FrameRecord& record) {
   record.status = toString(tracked.status);
+  record.exposure = tracked.frame->exposure;
   record.reason = tracked.reason;
   if (tracked.tracked()) {
     record.blur_length_px = tracked.measures.blur_length_px;
@@ -44,7 +45,6 @@ void RunLog::addFrame(const TrackedFrame& tracked, const std::string& warning) {
   record.sequence = tracked.frame->sequence;
   record.stamp_ns = tracked.frame->stamp_ns;
   record.mid_exposure_ns = tracked.frame->mid_exposure_ns;
-  record.exposure = tracked.frame->exposure;
   takeTracking(tracked, record);
   appendText(record.reason, warning);
   frames_.push_back(record);

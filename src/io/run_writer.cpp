@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 
+#include <cmath>
 #include <filesystem>
 #include <iomanip>
 #include <sstream>
@@ -94,6 +95,11 @@ void writeSummary(const OfflineResult& result, const std::vector<std::pair<std::
   out << "keyframes: " << result.log.keyframes().size() << "\n";
   out << "maps: " << counts.maps << "\n";
   writeCalibration(result, out);
+  if (std::isfinite(result.exposure.log_sigma)) {
+    out << "exposure_ratio: " << result.exposure.ratio << "\n";
+    out << "exposure_ratio_sigma: " << result.exposure.log_sigma << "\n";
+    out << "exposure_ratio_used: " << (result.exposure.used ? "true" : "false") << "\n";
+  }
   const StageTimes& times = result.times;
   out << std::fixed << std::setprecision(3) << "times:\n";
   writeStage(out, "load", times.load, counts.frames);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "mba_vo/odometry/recent_frames.h"
+#include "mba_vo/tracking/exposure_estimator.h"
 #include "mba_vo/tracking/motion_state.h"
 
 namespace mba_vo {
@@ -30,6 +31,14 @@ TrackedFrameConstPtr untracked(const FrameConstPtr& frame, TrackingStatus status
   return tracked;
 }
 
+/// The same frame with another exposure; the image is shared.
+FrameConstPtr withExposure(const FrameConstPtr& frame, const std::optional<double>& exposure) {
+  if (exposure == frame->exposure) return frame;
+  auto other = std::make_shared<Frame>(*frame);
+  other->exposure = exposure;
+  return other;
+}
+
 }  // namespace
 
 class TrackingLoop::Impl {
@@ -37,6 +46,7 @@ class TrackingLoop::Impl {
   explicit Impl(const OdometryConfig& config)
       : tracker_config_(config.tracker),
         tracker_(config.tracker),
+        exposures_(config.tracker),
         keyframe_policy_(config.keyframe),
         restart_after_lost_(config.mapper.restart_after_lost),
         longest_wait_(config.mapper.initializer.buffer_seconds + kMapperTime) {}
@@ -55,12 +65,14 @@ class TrackingLoop::Impl {
       const SE3 T_new_old = T_newReference_oldReference(*reference);
       motion_.changeReference(T_new_old);
       recent_.changeReference(T_new_old);
+      exposures_.changeReference(T_new_old);
       T_odom_reference_ = T_odom_reference_ * T_new_old.inverse();
     } else if (reference->hint) {
       motion_ = {reference->hint->trajectory, reference->hint->mid_exposure_ns};
       T_odom_reference_ = T_odom_camera_ * motion_.last().T_reference_mid.inverse();
       brightness_ = reference->brightness;
       recent_.clear();
+      exposures_.forgetFrames();
     } else {
       return false;
     }
@@ -90,6 +102,7 @@ class TrackingLoop::Impl {
     reference_.reset();
     waiting_.clear();
     recent_.clear();
+    exposures_.reset();
     lost_since_ns_.reset();
     frames_since_request_ = 0;
     hold_since_ns_.reset();
@@ -130,12 +143,14 @@ class TrackingLoop::Impl {
   }
 
   TrackedFrameConstPtr track(const WaitingFrame& next) {
-    const FrameConstPtr& frame = next.frame;
+    const FrameConstPtr frame = withExposure(next.frame, exposures_.exposureFor(next.frame->exposure));
     TrackingGuess guess(motion_.priorAt(frame->mid_exposure_ns),
                         frame->exposure.value_or(tracker_config_.unknown_exposure));
     guess.brightness = brightness_;
     auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
-    RecentFrames::Entry entry = {frame, next.in_time, next.mapped, motion_, brightness_};
+    RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, motion_, brightness_};
+    tracked->exposure_estimate = exposures_.estimate(next.frame->exposure.has_value());
+    exposures_.add(reference_, tracked, next.frame->exposure);
     if (!tracked->tracked()) {
       if (!lost_since_ns_) lost_since_ns_ = frame->mid_exposure_ns;
     } else {
@@ -176,6 +191,7 @@ class TrackingLoop::Impl {
 
   TrackerConfig tracker_config_;
   Tracker tracker_;
+  ExposureEstimator exposures_;
   KeyframePolicy keyframe_policy_;
   double restart_after_lost_;  // [s]
   double longest_wait_;        // [s]

@@ -95,7 +95,8 @@ NodeConfig parseNodeConfig(const YAML::Node& parameters) {
   readConfig(parameters, config);
   finalize(config.odometry);
   config.stampReference();
-  config.fixedExposure();
+  // An exposure that is set for all images is not to be corrected.
+  if (config.fixedExposure()) config.odometry.tracker.estimate_exposure = false;
   return config;
 }
 

@@ -19,7 +19,8 @@ constexpr double kSameBasin = 0.25;           // [px of the coarsest level] resu
 constexpr double kLeastBlurToSeed = 0.5;      // [px] shorter motion gives no direction to descend along
 constexpr double kObservableBlur = 3.0;       // [px] below it the covariance of xi means nothing
 constexpr double kCommonPoseError = 0.015;    // [px] std. deviation of what all patches have wrong alike, as
-constexpr double kCommonXiError = 0.12;       // interpolation does; found with bench/tracking_study
+constexpr double kCommonXiError = 0.1;        // interpolation does; found with bench/tracking_study
+constexpr double kRelativeXiError = 0.006;    // of the blur: the motion of a long path is not quite what is modelled
 constexpr double kLargestAcceleration = 3.0;  // standard deviations of the motion prior
 constexpr double kImplausibleBlur = 0.25;     // of the image's width
 constexpr double kImplausibleLogGain = 1.6;   // contrast five times higher or lower than the reference's
@@ -193,7 +194,7 @@ Tracker::LevelResult Tracker::preferExpectedDirection(const Job& job, const Leve
   return same_data && other.meanCost() < result.meanCost() ? other : result;
 }
 
-Matrix12 Tracker::covarianceOf(const Job& job, const LevelResult& result) const {
+Matrix12 Tracker::covarianceOf(const Job& job, const LevelResult& result, double blur_px) const {
   Matrix12 covariance = result.minimum.equations.covariance().topLeftCorner<12, 12>();
   // No patch tells what is wrong in all of them, nor how much the acceleration differs from what was taken for it. A
   // bend shifts the mean of the exposure by 1/24, and so does the bend over the time that a rolling shutter reads rows,
@@ -213,7 +214,8 @@ Matrix12 Tracker::covarianceOf(const Job& job, const LevelResult& result) const 
       variance(kCommonPoseError, shift * prior.linear_acceleration * job.median_depth, job.median_depth);
   diagonal.segment<3>(3).array() += variance(kCommonPoseError, shift * prior.angular_acceleration, 1.0);
   if (exposure > 0.0) {
-    const double common = kCommonXiError * exposure / std::max(exposure, readout);
+    const double common =
+        std::hypot(kCommonXiError, kRelativeXiError * blur_px) * exposure / std::max(exposure, readout);
     diagonal.segment<3>(6).array() += variance(common, 0.0, job.median_depth);
     diagonal.segment<3>(9).array() += variance(common, 0.0, 1.0);
   }
@@ -270,7 +272,7 @@ TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& fra
   tracked.inlier_fraction = statistics.inlier_fraction;
   tracked.measures = measureFrame(reference, tracked.trajectory);
   tracked.xi_prior_limited = tracked.measures.blur_length_px < kObservableBlur;
-  tracked.covariance = covarianceOf(job, result);
+  tracked.covariance = covarianceOf(job, result, tracked.measures.blur_length_px);
   judge(state.a, tracked);
   tracked.tracking_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return tracked;

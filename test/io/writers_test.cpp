@@ -95,6 +95,7 @@ TEST(RunWriter, WritesAllFilesAndAReadableSummary) {
   OfflineResult result;
   result.trajectory = {entryAt(10, 1)};
   result.times.tracking = 2.0;
+  result.exposure = {2.5, 0.03, true};
   SequenceImage rejected;
   rejected.sequence = 9;
   result.log.addRejected(rejected, "stamp repeats");
@@ -107,6 +108,9 @@ TEST(RunWriter, WritesAllFilesAndAReadableSummary) {
   EXPECT_EQ(summary["sequence"].as<std::string>(), "C:\\my \"room\"");
   EXPECT_EQ(summary["frames"].as<int>(), 1);
   EXPECT_EQ(summary["rejected"].as<int>(), 1);
+  EXPECT_DOUBLE_EQ(summary["exposure_ratio"].as<double>(), 2.5);
+  EXPECT_DOUBLE_EQ(summary["exposure_ratio_sigma"].as<double>(), 0.03);
+  EXPECT_TRUE(summary["exposure_ratio_used"].as<bool>());
   EXPECT_DOUBLE_EQ(summary["times"]["tracking"]["per_frame_ms"].as<double>(), 2000.0);
   EXPECT_GT(summary["peak_memory_mb"].as<double>(), 1.0);
 }

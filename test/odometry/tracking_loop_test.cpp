@@ -73,6 +73,27 @@ OdometryConfig demanding() {
   return config;
 }
 
+TEST(TrackingLoop, AnUnknownExposureIsLearntAndTheFramesCarryIt) {
+  TrackingLoop loop{OdometryConfig()};
+  const double exposure = view(0).exposure;
+  TrackedFrameConstPtr tracked;
+  for (int i = 0; i < kCount; ++i) {
+    // A reference from every fourth frame, so that none leaves the view.
+    if (i % 4 == 0) {
+      const auto reference = makeReference(1, static_cast<KeyframeId>(i), i, truth(0, i), 0);
+      if (i > 0) reference->T_map_keyframe[static_cast<KeyframeId>(i - 4)] = truth(0, i - 4);
+      ASSERT_TRUE(loop.take(reference));
+    }
+    if (i == 0) continue;
+    tracked = loop.process(test::makeFrame(view(i), std::nullopt));
+    ASSERT_EQ(tracked->status, TrackingStatus::kTracking) << tracked->reason;
+    if (!tracked->frame->exposure) continue;
+    EXPECT_NEAR(*tracked->frame->exposure, exposure, 0.1 * exposure);
+    EXPECT_TRUE(tracked->exposure_estimate.used);
+  }
+  EXPECT_TRUE(tracked->frame->exposure);
+}
+
 TEST(TrackingLoop, FramesBeforeThereIsAMapAreInitializing) {
   TrackingLoop loop{OdometryConfig()};
   const TrackedFrameConstPtr tracked = loop.process(frame(0));

@@ -46,6 +46,13 @@ inline FrameConstPtr makeFrame(const cv::Mat1f& intensity, std::int64_t mid_expo
   return frame;
 }
 
+/// The same frame with another exposure.
+inline FrameConstPtr withExposure(const Frame& frame, std::optional<double> exposure) {
+  auto other = std::make_shared<Frame>(frame);
+  other->exposure = exposure;
+  return other;
+}
+
 inline FrameConstPtr makeFrame(const SimulatedFrame& rendered, std::optional<double> exposure) {
   return makeFrame(toFloat(rendered.blurred), rendered.mid_exposure_ns, exposure, rendered.id);
 }

@@ -37,6 +37,7 @@ struct OfflineResult {
   std::size_t skipped = 0;
   bool stopped_for_calibration = false;
   int calibration_restarts = 0;  // of the run, each with a better calibration
+  ExposureEstimate exposure;  // the latest
 };
 
 /// Called after every image with the number of images done.

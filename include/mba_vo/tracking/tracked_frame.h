@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -20,6 +21,14 @@ const char* toString(TrackingStatus status);
 
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
+/// What the blur of the frames so far says of the exposures that came with the images, or of the assumed one where none
+/// came.
+struct ExposureEstimate {
+  double ratio = 1.0;                                          // estimated / given
+  double log_sigma = std::numeric_limits<double>::infinity();  // standard deviation of its logarithm
+  bool used = false;  // frames are tracked with the exposure that came, or the assumed one, times the ratio
+};
+
 /// Result for one frame: tracker -> mapper. Every frame that came in makes exactly one of these.
 struct TrackedFrame {
   FrameConstPtr frame;
@@ -37,6 +46,7 @@ struct TrackedFrame {
   bool keyframe_requested = false;
   bool provisional = false;  // it will be tracked again, against a keyframe that it sees better: not for the map yet
   double tracking_ms = 0.0;
+  ExposureEstimate exposure_estimate;  // with which it was tracked
 
   bool tracked() const { return status == TrackingStatus::kTracking || status == TrackingStatus::kDegraded; }
 };

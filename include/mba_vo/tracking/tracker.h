@@ -19,6 +19,7 @@ struct TrackerConfig {
   double sample_spacing_px = 1.25;
   int max_samples = 64;
   double unknown_exposure = 0.01;
+  bool estimate_exposure = true;
   double min_inlier_fraction = 0.35;
   double degraded_inlier_fraction = 0.6;
   int min_patches = 20;
@@ -32,7 +33,9 @@ struct TrackerConfig {
     v("huber_threshold", c.huber_threshold, 0.1, 255.0, "Huber threshold of the residual [grey levels]");
     v("sample_spacing_px", c.sample_spacing_px, 0.1, 10.0, "spacing of samples along the blur path [px]");
     v("max_samples", c.max_samples, 1, 256, "most samples along the blur path");
-    v("unknown_exposure", c.unknown_exposure, 0.0, 1.0, "exposure assumed where it is unknown [s]");
+    v("unknown_exposure", c.unknown_exposure, 0.0, 1.0, "exposure assumed where it is unknown, at first [s]");
+    v("estimate_exposure", c.estimate_exposure,
+      "estimate it then; correct exposures that came with the images if they are clearly wrong");
     v("min_inlier_fraction", c.min_inlier_fraction, 0.0, 1.0, "inlier pixels below which a frame is lost");
     v("degraded_inlier_fraction", c.degraded_inlier_fraction, 0.0, 1.0, "inlier pixels below which it is degraded");
     v("min_patches", c.min_patches, 5, 1000, "visible patches below which a frame is lost");
@@ -67,7 +70,7 @@ class Tracker {
   LevelResult align(const Job& job, int level, const AlignmentState& initial, int max_iterations) const;
   LevelResult preferExpectedDirection(const Job& job, const LevelResult& result) const;
   std::optional<AlignmentPrior> priorFor(const Job& job, const AlignmentState& state) const;
-  Matrix12 covarianceOf(const Job& job, const LevelResult& result) const;
+  Matrix12 covarianceOf(const Job& job, const LevelResult& result, double blur_px) const;
   void judge(double log_gain, TrackedFrame& tracked) const;
 
   TrackerConfig config_;

@@ -1,5 +1,8 @@
 #include "status_reporter.h"
 
+#include <cmath>
+#include <limits>
+
 #include "mba_vo/ros/conversions.h"
 #include "mba_vo/ros/status_conversion.h"
 
@@ -7,6 +10,7 @@ namespace mba_vo {
 
 StatusReporter::StatusReporter(ros::NodeHandle& nh) : publisher_(nh.advertise<Status>("status", 100, true)) {
   status_.exposure_source = "unknown";
+  status_.exposure = status_.exposure_ratio = status_.exposure_ratio_sigma = std::numeric_limits<double>::quiet_NaN();
   publishLocked("no image yet");
 }
 
@@ -38,6 +42,11 @@ void StatusReporter::imageTracked(const TrackedFrame& tracked, const std::string
   status_.reason = tracked.reason;
   status_.tracking_ms = tracked.tracking_ms;
   status_.exposure_source = exposure_source;
+  status_.exposure = exposureToMessage(tracked.frame->exposure);
+  const ExposureEstimate& estimate = tracked.exposure_estimate;
+  const bool known = std::isfinite(estimate.log_sigma);
+  status_.exposure_ratio = known ? estimate.ratio : std::numeric_limits<double>::quiet_NaN();
+  status_.exposure_ratio_sigma = known ? estimate.log_sigma : std::numeric_limits<double>::quiet_NaN();
   switch (tracked.status) {
     case TrackingStatus::kTracking:
       ++status_.frames_tracked;

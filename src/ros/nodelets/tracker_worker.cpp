@@ -129,7 +129,7 @@ void TrackerWorker::process(const InputImage& image) {
   if (tracked->tracked()) {
     publishMotion(tracked);
   }
-  status_.imageTracked(*tracked, exposureSource(image, *frame));
+  status_.imageTracked(*tracked, exposureSource(image, *tracked));
 }
 
 FrameConstPtr TrackerWorker::makeFrame(const InputImage& image) {
@@ -246,8 +246,11 @@ void TrackerWorker::publishMotion(const TrackedFrameConstPtr& tracked) {
   motions_.publish(motion);
 }
 
-std::string TrackerWorker::exposureSource(const InputImage& image, const Frame& frame) const {
-  if (!frame.exposure) {
+std::string TrackerWorker::exposureSource(const InputImage& image, const TrackedFrame& tracked) const {
+  if (tracked.exposure_estimate.used) {
+    return image.exposure ? "corrected" : "estimated";
+  }
+  if (!tracked.frame->exposure) {
     return "unknown";
   }
   return image.exposure_from_topic ? "topic" : "parameter";

@@ -54,7 +54,7 @@ class TrackerWorker {
   void correctCalibration(const CalibrationCorrection& correction);
   void forward(const TrackedFrameConstPtr& tracked, bool has_reference);
   void publishMotion(const TrackedFrameConstPtr& tracked);
-  std::string exposureSource(const InputImage& image, const Frame& frame) const;
+  std::string exposureSource(const InputImage& image, const TrackedFrame& tracked) const;
 
   const NodeConfig config_;
   CalibrationStore& calibration_;

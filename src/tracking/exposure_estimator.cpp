@@ -1,0 +1,152 @@
+#include "mba_vo/tracking/exposure_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "mba_vo/tracking/frame_measures.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr std::size_t kNeighbours = 5;    // the frame itself is the middle one
+constexpr double kLongestInterval = 0.1;  // [s] between frames
+constexpr double kLeastMotion = 3.0;      // [px] from frame to frame
+constexpr double kSmooth = 0.3;           // of the motion, most that the frames farther away may change of it
+constexpr std::size_t kRememberedSamples = 60;
+constexpr std::size_t kLeastSamples = 8;
+constexpr int kRareProbes = 3;         // every so many frames, once there are enough samples
+constexpr double kLongest = 1.5;       // exposure that is tried, in intervals; their noise is not to be cut off
+constexpr double kBlurSigma = 0.3;     // [px] what path and patches have wrong
+constexpr double kKnownSigma = 0.15;   // of log ratio: below it the estimate is of use
+constexpr double kWrong = 0.2;         // |log ratio| from which on exposures that came are not believed
+constexpr double kRightAgain = 0.1;    // the same, until which they are not
+constexpr double kSignificance = 4.0;  // standard deviations
+constexpr double kMedianSigma = 1.2533 * 1.4826;  // of a median, over median deviation / sqrt(samples)
+
+double seconds(const TrackedFrame& from, const TrackedFrame& to) {
+  return 1e-9 * static_cast<double>(to.frame->mid_exposure_ns - from.frame->mid_exposure_ns);
+}
+
+/// Derivative at time 0 of the polynomial through the values, one of which is zero and at time 0.
+Vector6 derivativeAtZero(const std::vector<double>& times, const std::vector<Vector6>& values) {
+  Vector6 derivative = Vector6::Zero();
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (times[i] == 0.0) continue;
+    double factor = 1.0 / times[i];
+    for (std::size_t j = 0; j < times.size(); ++j) {
+      if (j != i && times[j] != 0.0) factor *= times[j] / (times[j] - times[i]);
+    }
+    derivative += factor * values[i];
+  }
+  return derivative;
+}
+
+}  // namespace
+
+std::optional<double> ExposureEstimator::exposureFor(const std::optional<double>& given) const {
+  const ExposureEstimate& e = ratios_[given.has_value()].estimate;
+  if (!e.used || (given && *given <= 0.0)) return given;
+  return e.ratio * given.value_or(config_.unknown_exposure);
+}
+
+void ExposureEstimator::changeReference(const SE3& T_new_old) {
+  for (Seen& seen : seen_) seen.T_reference_mid = T_new_old * seen.T_reference_mid;
+}
+
+void ExposureEstimator::reset() {
+  seen_.clear();
+  ratios_ = {};
+  newest_probed_ns_ = 0;
+  left_out_ = 0;
+}
+
+void ExposureEstimator::add(const ReferenceConstPtr& reference, const std::shared_ptr<const TrackedFrame>& tracked,
+                            const std::optional<double>& given) {
+  if (!config_.estimate_exposure) return;
+  const bool good = tracked->status == TrackingStatus::kTracking && given.value_or(1.0) > 0.0;
+  if (!good || (!seen_.empty() && seconds(*seen_.back().tracked, *tracked) <= 0.0)) seen_.clear();
+  if (!good) return;
+  seen_.push_back(
+      {tracked, tracked->trajectory.T_reference_mid, given.value_or(config_.unknown_exposure), given.has_value()});
+  if (seen_.size() > kNeighbours) seen_.pop_front();
+  if (seen_.size() < kNeighbours) return;
+  const Seen& middle = seen_[kNeighbours / 2];
+  if (middle.tracked->frame->mid_exposure_ns <= newest_probed_ns_) return;
+  Ratio& ratio = ratios_[middle.known];
+  if (ratio.samples.size() >= kLeastSamples && ++left_out_ < kRareProbes) return;
+  const std::optional<ExposureSample> sample = probeMiddle(*reference);
+  if (!sample) return;
+  left_out_ = 0;
+  newest_probed_ns_ = middle.tracked->frame->mid_exposure_ns;
+  ratio.samples.push_back({std::log(sample->exposure / middle.given), 1.0 / (sample->log_sigma * sample->log_sigma)});
+  if (ratio.samples.size() > kRememberedSamples) ratio.samples.pop_front();
+  update(ratio, middle.known);
+}
+
+std::optional<ExposureSample> ExposureEstimator::probeMiddle(const Reference& reference) const {
+  std::vector<double> times;
+  std::vector<Vector6> motions;
+  const Seen& middle = seen_[kNeighbours / 2];
+  for (const Seen& seen : seen_) {
+    times.push_back(seconds(*middle.tracked, *seen.tracked));
+    motions.push_back((middle.T_reference_mid.inverse() * seen.T_reference_mid).log());
+  }
+  const double interval = 0.25 * (times.back() - times.front());
+  if (interval > kLongestInterval) return std::nullopt;
+  const Vector6 velocity = derivativeAtZero(times, motions);
+  const Vector6 rough = derivativeAtZero({times[1], 0.0, times[3]}, {motions[1], motions[2], motions[3]});
+  const auto pathOf = [&](const Vector6& v) {
+    return measureFrame(reference, {middle.T_reference_mid, v, interval}).blur_length_px;
+  };
+  const double path = pathOf(velocity);
+  const double doubt = pathOf(velocity - rough);
+  if (path < kLeastMotion || doubt > kSmooth * path) return std::nullopt;
+  TrackedFrame tracked = *middle.tracked;
+  tracked.trajectory.T_reference_mid = middle.T_reference_mid;
+  const double exposure = ratios_[middle.known].estimate.ratio * middle.given;
+  std::optional<ExposureSample> sample =
+      probeExposure(reference, tracked, velocity, exposure, kLongest * interval, config_);
+  if (!sample) return std::nullopt;
+  const double blur = path * sample->exposure / interval;  // [px]
+  sample->log_sigma = std::hypot(sample->log_sigma, doubt / path, kBlurSigma / blur);
+  sample->exposure = std::min(sample->exposure, interval);  // no camera exposes longer than until the next image
+  return sample;
+}
+
+void ExposureEstimator::update(Ratio& ratio, bool known) {
+  std::vector<Sample> samples(ratio.samples.begin(), ratio.samples.end());
+  const double middle = weightedMedian(samples);
+  double sum = 0.0;
+  double squares = 0.0;
+  for (Sample& s : samples) {
+    sum += s.weight;
+    squares += s.weight * s.weight;
+    s.log_ratio = std::abs(s.log_ratio - middle);
+  }
+  ExposureEstimate& estimate = ratio.estimate;
+  estimate.ratio = std::exp(middle);
+  estimate.log_sigma = kMedianSigma * weightedMedian(samples) * std::sqrt(squares) / sum;
+  if (samples.size() < kLeastSamples) return;
+  if (!known) {
+    estimate.used = estimate.log_sigma < kKnownSigma;
+  } else {
+    const double least = estimate.used ? kRightAgain : kWrong;
+    estimate.used = std::abs(middle) > std::max(least, kSignificance * estimate.log_sigma);
+  }
+}
+
+double ExposureEstimator::weightedMedian(std::vector<Sample> samples) {
+  std::sort(samples.begin(), samples.end(), [](const Sample& l, const Sample& r) { return l.log_ratio < r.log_ratio; });
+  const double sum = std::accumulate(samples.begin(), samples.end(), 0.0,
+                                     [](double part, const Sample& s) { return part + s.weight; });
+  double below = 0.0;
+  for (const Sample& s : samples) {
+    below += s.weight;
+    if (below >= 0.5 * sum) return s.log_ratio;
+  }
+  return samples.back().log_ratio;
+}
+
+}  // namespace mba_vo

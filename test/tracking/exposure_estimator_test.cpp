@@ -1,0 +1,94 @@
+#include "mba_vo/tracking/exposure_estimator.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/rendered_room.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr double kExposure = 0.02;  // [s]
+constexpr double kInterval = 0.03;  // [s]
+constexpr int kFrames = 16;
+const SE3 kT_other_first = SE3::exp((Vector6() << 0.01, 0.02, 0, 0.01, 0, 0.02).finished());
+
+/// A camera that swings to and fro before the room, seen from two references in turn, with the true poses.
+struct Swing {
+  std::vector<ReferenceConstPtr> references;
+  std::vector<TrackedFrame> frames;
+
+  Swing() {
+    const SimulatedFrame view = test::roomSimulator().render(40);
+    const SE3 T_world_other = view.T_world_mid * kT_other_first.inverse();
+    const SimulatedFrame other =
+        test::roomSimulator().renderExposure([&](double) { return T_world_other; }, 0.0, 0.0, 1);
+    references = {test::makeReference(view, test::toFloat(view.sharp)),
+                  test::makeReference(other, test::toFloat(other.sharp))};
+    const auto pose = [&](double t) {
+      const Vector6 swing = (Vector6() << 0.05, 0, 0, 0.04, 0.12, 0).finished();
+      return view.T_world_mid * SE3::exp(std::sin(9.0 * t) * swing);
+    };
+    for (int i = 0; i < kFrames; ++i) {
+      const SimulatedFrame rendered =
+          test::roomSimulator().renderExposure(pose, kInterval * i, kExposure, static_cast<unsigned>(i));
+      TrackedFrame tracked;
+      tracked.frame = test::makeFrame(test::toFloat(rendered.blurred), std::llround(1e9 * kInterval * i), kExposure);
+      tracked.status = TrackingStatus::kTracking;
+      const SE3 T_first_mid = view.T_world_mid.inverse() * rendered.T_world_mid;
+      tracked.trajectory.T_reference_mid = i % 2 == 0 ? T_first_mid : kT_other_first * T_first_mid;
+      frames.push_back(tracked);
+    }
+  }
+};
+
+/// What the estimator makes of it if `given` comes with the images.
+ExposureEstimator estimate(const std::optional<double>& given, const TrackerConfig& config = {}) {
+  static const Swing swing;
+  ExposureEstimator estimator(config);
+  for (std::size_t i = 0; i < swing.frames.size(); ++i) {
+    auto tracked = std::make_shared<TrackedFrame>(swing.frames[i]);
+    tracked->frame = test::withExposure(*tracked->frame, estimator.exposureFor(given));
+    if (i > 0) estimator.changeReference(i % 2 == 1 ? kT_other_first : kT_other_first.inverse());
+    estimator.add(swing.references[i % 2], tracked, given);
+  }
+  return estimator;
+}
+
+TEST(ExposureEstimator, FindsAnUnknownExposure) {
+  const ExposureEstimator estimator = estimate(std::nullopt);
+  EXPECT_TRUE(estimator.estimate(false).used);
+  const auto found = estimator.exposureFor(std::nullopt);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(*found, kExposure, 0.06 * kExposure);
+  EXPECT_LT(estimator.estimate(false).log_sigma, 0.1);
+}
+
+TEST(ExposureEstimator, CorrectsExposuresThatAreWrongByAFactor) {
+  for (const double factor : {0.5, 2.0}) {
+    const double given = factor * kExposure;
+    const ExposureEstimator estimator = estimate(given);
+    EXPECT_TRUE(estimator.estimate(true).used);
+    EXPECT_NEAR(estimator.exposureFor(given).value_or(0.0), kExposure, 0.06 * kExposure) << "factor " << factor;
+  }
+}
+
+TEST(ExposureEstimator, LeavesRightExposuresAsTheyAre) {
+  const ExposureEstimator estimator = estimate(kExposure);
+  EXPECT_FALSE(estimator.estimate(true).used);
+  EXPECT_NEAR(estimator.estimate(true).ratio, 1.0, 0.06);
+  EXPECT_EQ(estimator.exposureFor(kExposure), kExposure);
+  EXPECT_EQ(estimator.exposureFor(0.0), 0.0);
+}
+
+TEST(ExposureEstimator, KeepsStillWhenToldTo) {
+  TrackerConfig config;
+  config.estimate_exposure = false;
+  EXPECT_FALSE(estimate(std::nullopt, config).exposureFor(std::nullopt));
+  EXPECT_EQ(estimate(2.0 * kExposure, config).exposureFor(2.0 * kExposure), 2.0 * kExposure);
+}
+
+}  // namespace
+}  // namespace mba_vo

@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <Eigen/Cholesky>
+
+#include "mba_vo/tracking/tracker.h"
+#include "support/random.h"
+#include "support/rendered_room.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr double kRowTime = 60e-6;  // [s]
+constexpr unsigned kCases = 6;
+
+const SimulatedFrame& referenceView() {
+  static const SimulatedFrame view = test::roomSimulator().render(40);
+  return view;
+}
+
+ReferenceConstPtr reference() {
+  static const ReferenceConstPtr reference = test::makeReference(referenceView(), test::toFloat(referenceView().sharp));
+  return reference;
+}
+
+/// A frame of a camera with a rolling shutter, tracked without knowing anything of its motion.
+struct Case {
+  SE3 T_reference_mid;  // true
+  Vector6 velocity;     // true
+  TrackedFrame tracked;
+
+  /// Normalised squared errors over their expectation.
+  double poseNees() const {
+    return nees((tracked.trajectory.T_reference_mid.inverse() * T_reference_mid).log(),
+                tracked.covariance.topLeftCorner<6, 6>());
+  }
+  double velocityNees(double exposure) const {
+    return nees(exposure * (velocity - tracked.trajectory.velocity), tracked.covariance.bottomRightCorner<6, 6>());
+  }
+  static double nees(const Vector6& error, const Matrix6& covariance) {
+    return error.dot(covariance.ldlt().solve(error)) / 6.0;
+  }
+};
+
+Case trackCase(unsigned seed, double row_time, double exposure) {
+  SimulationConfig config = test::roomConfig();
+  config.row_time = row_time;
+  const Simulator simulator(config, sharedRoom());
+  test::Random random(seed);
+  Case c;
+  c.T_reference_mid = random.pose(0.06, 0.05);
+  c.velocity = random.tangent(0.5, 1.5);
+  const SimulatedFrame rendered = simulator.renderExposure(
+      test::constantVelocity(referenceView().T_world_mid * c.T_reference_mid, c.velocity), 0.0, exposure, seed);
+  PinholeCamera camera = test::roomSimulator().camera();
+  camera.row_time = row_time;
+  auto frame = std::make_shared<Frame>();
+  frame->exposure = exposure;
+  frame->pyramid = ImagePyramid(test::toFloat(rendered.blurred), camera, 5);
+  const ExposureTrajectory guess{c.T_reference_mid * random.pose(0.01, 0.005), Vector6::Zero(), exposure};
+  c.tracked = Tracker({}).track(*reference(), frame, guess);
+  EXPECT_EQ(c.tracked.status, TrackingStatus::kTracking) << c.tracked.reason;
+  return c;
+}
+
+/// Exposure that the covariance's xi belongs to: a rolling shutter tells the velocity even if nothing is blurred.
+double exposureOfXi(double exposure) { return std::max(exposure, 1e-4); }
+
+Vector6 velocitySigma(const Case& c, double exposure) {
+  return c.tracked.covariance.diagonal().tail<6>().cwiseSqrt() / exposureOfXi(exposure);
+}
+
+class RollingTracker : public testing::TestWithParam<double> {};
+
+TEST_P(RollingTracker, FindsPoseAndVelocityHoweverShortTheExposure) {
+  const double exposure = GetParam();
+  double pose_nees = 0.0;
+  double velocity_nees = 0.0;
+  for (unsigned seed = 1; seed <= kCases; ++seed) {
+    const Case c = trackCase(seed, kRowTime, exposure);
+    const SE3& found = c.tracked.trajectory.T_reference_mid;
+    EXPECT_LT(test::meanReprojectionError(referenceView().depth, c.T_reference_mid, found), 0.1) << "seed " << seed;
+    const double readout = kRowTime * test::roomSimulator().camera().height;
+    const auto motion =
+        test::borderError(SE3::exp(readout * c.tracked.trajectory.velocity), SE3::exp(readout * c.velocity));
+    EXPECT_GT(motion.true_length, 3.0);
+    EXPECT_LT(motion.mean, 0.5) << "seed " << seed;
+    pose_nees += c.poseNees() / kCases;
+    velocity_nees += c.velocityNees(exposureOfXi(exposure)) / kCases;
+  }
+  // The covariance is that of the errors, within a factor of two and what six frames leave to chance.
+  EXPECT_GT(pose_nees, 0.3);
+  EXPECT_LT(pose_nees, 2.5);
+  EXPECT_GT(velocity_nees, 0.3);
+  EXPECT_LT(velocity_nees, 2.5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seconds, RollingTracker, testing::Values(0.0, 1e-3, 0.01));
+
+TEST(RollingTracker, TheLongerTheReadoutTheBetterTheVelocityIsKnown) {
+  const Vector6 slow = velocitySigma(trackCase(1, kRowTime, 0.0), 0.0);
+  const Vector6 fast = velocitySigma(trackCase(1, 0.5 * kRowTime, 0.0), 0.0);
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(fast(i) / slow(i), 2.0, 0.4) << "component " << i;
+}
+
+TEST(RollingTracker, AnExposureShorterThanTheReadoutHardlyChangesWhatIsKnownOfTheVelocity) {
+  const Vector6 none = velocitySigma(trackCase(1, kRowTime, 0.0), 0.0);
+  const Vector6 brief = velocitySigma(trackCase(1, kRowTime, 1e-3), 1e-3);
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(brief(i) / none(i), 1.0, 0.25) << "component " << i;
+}
+
+}  // namespace
+}  // namespace mba_vo
