@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+
+namespace mba_vo {
+
+/// Options of TrajectoryDeblurrer.
+struct TrajectoryDeblurConfig {
+  double min_blur_px = 3.5;
+  double prior_weight = 0.2;
+  double max_residual = 2.0;
+  double max_disagreement = 0.3;
+  int steps = 5;
+  int iterations = 8;
+
+  template <typename Config, typename Visitor>
+  static void describe(Config& c, Visitor& v) {
+    v("min_blur_px", c.min_blur_px, 0.0, 100.0, "blur up to which a keyframe is left as it is [px]");
+    v("prior_weight", c.prior_weight, 1e-4, 10.0, "weight of the total variation [1 / grey level]");
+    v("max_residual", c.max_residual, 1.0, 100.0,
+      "rms of the result blurred again minus the keyframe up to which it is trusted [noise]");
+    v("max_disagreement", c.max_disagreement, 0.01, 10.0,
+      "difference of two measurements of the motion up to which it is trusted, relative to the blur");
+    v("steps", c.steps, 1, 20, "steps of the half-quadratic splitting");
+    v("iterations", c.iterations, 1, 100, "iterations of conjugate gradients in a step");
+  }
+};
+
+/// Options of all deblurrers. `describe` names every option once, for YAML, ROS parameters and documentation.
+struct DeblurConfig {
+  std::string method = "none";
+  TrajectoryDeblurConfig trajectory;
+
+  template <typename Config, typename Visitor>
+  static void describe(Config& c, Visitor& v) {
+    v("method", c.method, "how keyframes are deblurred: none or trajectory (along the path of each pixel)");
+    v.section("trajectory", c.trajectory);
+  }
+};
+
+}  // namespace mba_vo
