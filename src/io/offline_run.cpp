@@ -64,6 +64,7 @@ class Run {
   }
 
   std::vector<TrajectoryEntry> trajectory() const { return odometry_.trajectory(); }
+  std::vector<MapPoint> points() const { return odometry_.points(); }
 
  private:
   static void account(const OdometryResult& odometry, double processing, const std::string& warning,
@@ -112,6 +113,7 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
     run.finish(result);
   }
   result.trajectory = run.trajectory();
+  result.points = run.points();
   result.log.settle(result.trajectory);
   return result;
 }

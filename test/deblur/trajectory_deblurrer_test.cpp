@@ -67,7 +67,7 @@ TEST(TrajectoryDeblurrer, AWrongMotionIsNoticed) {
   const DeblurResult result = deblur(input);
   EXPECT_FALSE(result.sharpened);
   EXPECT_EQ(result.image, input.image);
-  EXPECT_GT(result.residual, 2.0F);
+  EXPECT_GT(result.residual, 1.6F);
 }
 
 TEST(TrajectoryDeblurrer, WhereTwoMeasurementsDisagreeTheImageIsLeft) {

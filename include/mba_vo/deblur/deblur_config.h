@@ -6,9 +6,9 @@ namespace mba_vo {
 
 /// Options of TrajectoryDeblurrer.
 struct TrajectoryDeblurConfig {
-  double min_blur_px = 3.5;
+  double min_blur_px = 4.0;
   double prior_weight = 0.2;
-  double max_residual = 2.0;
+  double max_residual = 1.6;
   double max_disagreement = 0.3;
   int steps = 5;
   int iterations = 8;

@@ -30,6 +30,7 @@ struct StageTimes {
 struct OfflineResult {
   RunLog log;
   std::vector<TrajectoryEntry> trajectory;
+  std::vector<MapPoint> points;  // of the last map
   StageTimes times;
   std::size_t skipped = 0;
 };
