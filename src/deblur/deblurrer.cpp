@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "mba_vo/deblur/onnx_deblurrer.h"
 #include "mba_vo/deblur/trajectory_deblurrer.h"
 
 namespace mba_vo {
@@ -16,7 +17,9 @@ DeblurResult PassThroughDeblurrer::deblur(const DeblurInput& input) const {
 std::unique_ptr<Deblurrer> makeDeblurrer(const DeblurConfig& config) {
   if (config.method == "none") return std::make_unique<PassThroughDeblurrer>();
   if (config.method == "trajectory") return std::make_unique<TrajectoryDeblurrer>(config.trajectory);
-  throw std::invalid_argument("mapper.deblur.method is '" + config.method + "', must be one of: none, trajectory");
+  if (config.method == "onnx") return std::make_unique<OnnxDeblurrer>(config.onnx);
+  throw std::invalid_argument("mapper.deblur.method is '" + config.method +
+                              "', must be one of: none, trajectory, onnx");
 }
 
 }  // namespace mba_vo

@@ -111,7 +111,7 @@ TEST(TrajectoryDeblurrer, SaturatedAndInvalidPixelsDoNotCount) {
   EXPECT_TRUE(std::isnan(sharp(160, 250)));
   const cv::Mat1f clean = deblur(scene.input).image->level(0).intensity;
   const cv::Rect elsewhere(0, 100, 200, 140);
-  EXPECT_EQ(cv::countNonZero(sharp(elsewhere) != sharp(elsewhere)), 0);
+  EXPECT_TRUE(cv::checkRange(sharp(elsewhere)));
   EXPECT_LT(cv::norm(sharp(elsewhere), clean(elsewhere)) / std::sqrt(static_cast<double>(elsewhere.area())), 1.0);
 }
 

@@ -26,15 +26,38 @@ struct TrajectoryDeblurConfig {
   }
 };
 
+/// Options of OnnxDeblurrer. The network is given (intensity - mean) scale.
+struct OnnxDeblurConfig {
+  std::string model;
+  int channels = 3;
+  double mean = 127.5;
+  double scale = 1.0 / 127.5;
+  bool residual = false;
+  int multiple_of = 32;
+
+  template <typename Config, typename Visitor>
+  static void describe(Config& c, Visitor& v) {
+    v("model", c.model, "network in ONNX form");
+    v("channels", c.channels, 1, 3, "of its input and output: 1 or 3");
+    v("mean", c.mean, -255.0, 255.0, "subtracted from the intensity [grey levels]");
+    v("scale", c.scale, 1e-6, 1e3, "then multiplied by this [1 / grey level]");
+    v("residual", c.residual, "the network gives what is to be added to its input");
+    v("multiple_of", c.multiple_of, 1, 512, "sides of an image are filled up to a multiple of this [px]");
+  }
+};
+
 /// Options of all deblurrers. `describe` names every option once, for YAML, ROS parameters and documentation.
 struct DeblurConfig {
   std::string method = "none";
   TrajectoryDeblurConfig trajectory;
+  OnnxDeblurConfig onnx;
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
-    v("method", c.method, "how keyframes are deblurred: none or trajectory (along the path of each pixel)");
+    v("method", c.method,
+      "how keyframes are deblurred: none, trajectory (along the path of each pixel) or onnx (a network)");
     v.section("trajectory", c.trajectory);
+    v.section("onnx", c.onnx);
   }
 };
 
