@@ -5,6 +5,10 @@ add_executable(tracking_benchmark bench/tracking_benchmark.cpp)
 mba_vo_options(tracking_benchmark)
 target_link_libraries(tracking_benchmark PRIVATE mba_vo_tracking mba_vo_simulation benchmark::benchmark)
 
+add_executable(deblur_benchmark bench/deblur_benchmark.cpp)
+mba_vo_options(deblur_benchmark)
+target_link_libraries(deblur_benchmark PRIVATE mba_vo_deblur mba_vo_simulation benchmark::benchmark)
+
 add_executable(initializer_study bench/initializer_study.cpp)
 mba_vo_options(initializer_study)
 target_link_libraries(initializer_study PRIVATE mba_vo_mapping opencv_imgcodecs)

@@ -1,13 +1,19 @@
 # The command-line programs that need no ROS: tools/<name>.cpp becomes <name>.
 function(mba_vo_tool name)
   if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/tools/${name}.cpp)
-    add_executable(${name} tools/${name}.cpp)
-    mba_vo_options(${name})
-    target_link_libraries(${name} PRIVATE CLI11::CLI11 ${ARGN})
-    set_property(GLOBAL APPEND PROPERTY MBA_VO_PROGRAMS ${name})
+    set(target ${name})
+    if(TARGET ${name})  # a module's library may have the same name
+      set(target ${name}_program)
+    endif()
+    add_executable(${target} tools/${name}.cpp)
+    set_target_properties(${target} PROPERTIES OUTPUT_NAME ${name})
+    mba_vo_options(${target})
+    target_link_libraries(${target} PRIVATE CLI11::CLI11 ${ARGN})
+    set_property(GLOBAL APPEND PROPERTY MBA_VO_PROGRAMS ${target})
   endif()
 endfunction()
 
+mba_vo_tool(mba_vo_deblur mba_vo_io mba_vo_evaluation)
 mba_vo_tool(mba_vo_evaluate mba_vo_evaluation)
 mba_vo_tool(mba_vo_offline mba_vo_io)
 mba_vo_tool(mba_vo_simulate mba_vo_simulation mba_vo_io)
@@ -20,6 +26,8 @@ function(mba_vo_tool_test name program expected)
   endif()
 endfunction()
 
+mba_vo_tool_test(deblur_missing_run mba_vo_deblur_program "/nonexistent: no such folder"
+  /nonexistent --run /nonexistent --output out)
 mba_vo_tool_test(evaluate_missing_file mba_vo_evaluate "/nonexistent.txt: cannot be read"
   --groundtruth /nonexistent.txt --estimate /nonexistent.txt)
 mba_vo_tool_test(evaluate_wrong_alignment mba_vo_evaluate "--alignment: Check affine"

@@ -2,11 +2,24 @@
 
 #include <stdexcept>
 
+#include "mba_vo/deblur/onnx_deblurrer.h"
+#include "mba_vo/deblur/trajectory_deblurrer.h"
+
 namespace mba_vo {
+
+DeblurResult PassThroughDeblurrer::deblur(const DeblurInput& input) const {
+  DeblurResult result;
+  result.image = input.image;
+  result.reason = "not asked for";
+  return result;
+}
 
 std::unique_ptr<Deblurrer> makeDeblurrer(const DeblurConfig& config) {
   if (config.method == "none") return std::make_unique<PassThroughDeblurrer>();
-  throw std::invalid_argument("mapper.deblur.method is '" + config.method + "', must be one of: none");
+  if (config.method == "trajectory") return std::make_unique<TrajectoryDeblurrer>(config.trajectory);
+  if (config.method == "onnx") return std::make_unique<OnnxDeblurrer>(config.onnx);
+  throw std::invalid_argument("mapper.deblur.method is '" + config.method +
+                              "', must be one of: none, trajectory, onnx");
 }
 
 }  // namespace mba_vo

@@ -78,6 +78,7 @@ class Run {
   CalibrationCorrection correction() const { return odometry_.correction(); }
   bool corrected() const { return odometry_.correction() != start_; }
   std::vector<TrajectoryEntry> trajectory() const { return odometry_.trajectory(); }
+  std::vector<MapPoint> points() const { return odometry_.points(); }
 
  private:
   static void note(const TrackedFrame& tracked, OfflineResult& result) {
@@ -137,6 +138,7 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
   }
   result.correction = run.correction();
   result.trajectory = run.trajectory();
+  result.points = run.points();
   result.log.settle(result.trajectory);
   return result;
 }

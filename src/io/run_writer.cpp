@@ -8,6 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mba_vo/io/points_file.h"
 #include "mba_vo/io/trajectory_writer.h"
 
 namespace mba_vo {
@@ -123,6 +124,7 @@ void writeRun(const std::string& folder, const OfflineResult& result,
   };
   write("trajectory.txt", [&](std::ostream& out) { writeTrajectory(result.trajectory, out); });
   write("exposure_trajectory.txt", [&](std::ostream& out) { writeExposureTrajectory(result.trajectory, out); });
+  write("points.txt", [&](std::ostream& out) { writePoints(result.points, out); });
   write("frames.csv", [&](std::ostream& out) { writeFrames(result.log.frames(), out); });
   write("keyframes.csv", [&](std::ostream& out) { writeKeyframes(result.log.keyframes(), out); });
   write("summary.yaml", [&](std::ostream& out) { writeSummary(result, settings, out); });

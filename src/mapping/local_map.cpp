@@ -88,22 +88,24 @@ void LocalMap::searchDepths(const TrackedFrame& tracked) {
   depth_search_ms_ += millisecondsSince(begin);
 }
 
-std::shared_ptr<const ImagePyramid> LocalMap::deblur(const TrackedFrame& tracked, const SE3& T_map_keyframe) const {
+std::shared_ptr<const ImagePyramid> LocalMap::deblur(const TrackedFrame& tracked, const SE3& T_map_keyframe,
+                                                     const Vector6& velocity) const {
   DeblurInput input;
   input.image = std::shared_ptr<const ImagePyramid>(tracked.frame, &tracked.frame->pyramid);
-  input.xi = tracked.trajectory.xi();
+  input.motion = {SE3(), velocity, tracked.frame->exposure.value_or(0.0), tracked.trajectory.acceleration};
+  input.other_velocity = tracked.trajectory.velocity;
   for (const ReferencePoint& p :
        projectPoints(window_, input.image->level(0).camera, T_map_keyframe, tracked.trajectory.velocity)) {
     input.depths.push_back({p.pixel, p.inverse_depth});
   }
-  return deblurrer_->deblur(input);
+  return deblurrer_->deblur(input).image;
 }
 
 KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const Vector6& velocity) {
   KeyframeReport report;
   const Clock::time_point begin = Clock::now();
   const SE3 T_map_keyframe = T_map_camera(tracked);
-  const auto sharp = deblur(tracked, T_map_keyframe);
+  const auto sharp = deblur(tracked, T_map_keyframe, velocity);
   report.deblur_ms = millisecondsSince(begin);
 
   addKeyframe(tracked.frame, sharp, T_map_keyframe, velocity, tracked.brightness);
@@ -230,11 +232,13 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe) {
 }
 
 MapPoint LocalMap::displayPoint(const WindowPoint& point) const {
-  const ImageLevel& level = keyframes_.at(point.host).sharp->level(0);
+  const HostKeyframe& host = keyframes_.at(point.host);
+  const ImageLevel& level = host.sharp->level(0);
   const Eigen::Vector3d in_host = level.camera.unproject(point.pixel) / point.inverse_depth;
   const auto x = static_cast<int>(std::lround(point.pixel.x()));
   const auto y = static_cast<int>(std::lround(point.pixel.y()));
-  return {window_.T_map_keyframe(point.host) * in_host, level.intensity(y, x), point.host};
+  return {window_.T_map_keyframe(point.host) * in_host, level.intensity(y, x), point.host, host.frame->mid_exposure_ns,
+          id_};
 }
 
 void LocalMap::keepForDisplay(KeyframeId keyframe) {

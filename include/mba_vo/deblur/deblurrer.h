@@ -1,50 +1,49 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "mba_vo/deblur/deblur_config.h"
+#include "mba_vo/deblur/dense_inverse_depth.h"
 #include "mba_vo/geometry/exposure_trajectory.h"
 #include "mba_vo/image/image_pyramid.h"
 
 namespace mba_vo {
 
-struct DeblurConfig {
-  std::string method = "none";
-
-  template <typename Config, typename Visitor>
-  static void describe(Config& c, Visitor& v) {
-    v("method", c.method, "how keyframes are deblurred: none");
-  }
-};
-
-/// A pixel of the keyframe with known depth.
-struct DepthSample {
-  Eigen::Vector2f pixel;  // [px]
-  float inverse_depth;    // [1/m]
-};
-
 /// What a deblurrer is given: the blurred keyframe, how the camera moved within its exposure, and the sparse depths.
 struct DeblurInput {
   std::shared_ptr<const ImagePyramid> image;
-  Vector6 xi = Vector6::Zero();     // motion within the exposure [m, rad]
+  ExposureTrajectory motion;  // relative to the keyframe at mid-exposure: T_reference_mid is the identity
+  // The velocity by another measurement, if there is one [m/s, rad/s]: where the two disagree, none is trusted.
+  std::optional<Vector6> other_velocity;
   std::vector<DepthSample> depths;  // in the keyframe at mid-exposure
+};
+
+struct DeblurResult {
+  std::shared_ptr<const ImagePyramid> image;  // the input itself if not sharpened
+  bool sharpened = false;
+  std::string reason;     // why not; empty if sharpened
+  float blur_px = 0.0F;   // median path of the pixels within the exposure, if known [px]
+  float residual = 0.0F;  // rms of result blurred again minus input, if sharpened by the motion [standard deviations]
 };
 
 /// Turns a blurred keyframe into a sharp one. Implementations are stateless and may be called from any thread.
 class Deblurrer {
  public:
   virtual ~Deblurrer() = default;
-  virtual std::shared_ptr<const ImagePyramid> deblur(const DeblurInput& input) const = 0;
+  virtual DeblurResult deblur(const DeblurInput& input) const = 0;
 };
 
 /// Hands the image through unchanged.
 class PassThroughDeblurrer final : public Deblurrer {
  public:
-  std::shared_ptr<const ImagePyramid> deblur(const DeblurInput& input) const override { return input.image; }
+  DeblurResult deblur(const DeblurInput& input) const override;
 };
 
-/// The implementation that the configuration names. Throws std::invalid_argument for an unknown method.
+/// The implementation that the configuration names. Throws std::invalid_argument for an unknown method, and whatever
+/// the method's own constructor throws.
 std::unique_ptr<Deblurrer> makeDeblurrer(const DeblurConfig& config);
 
 }  // namespace mba_vo

@@ -33,6 +33,7 @@ struct OfflineResult {
   RunLog log;
   std::vector<TrajectoryEntry> trajectory;
   CalibrationCorrection correction;  // of the calibration, at the end
+  std::vector<MapPoint> points;  // of the last map
   StageTimes times;
   std::size_t skipped = 0;
   bool stopped_for_calibration = false;

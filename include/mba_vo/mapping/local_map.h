@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <vector>
@@ -19,6 +20,8 @@ struct MapPoint {
   Eigen::Vector3d position_map;  // [m], up to the monocular scale
   float intensity = 0.0F;        // [grey levels]
   KeyframeId keyframe_id = 0;
+  std::int64_t keyframe_ns = 0;  // mid-exposure time of that keyframe [ns]
+  MapId map_id = 0;
 };
 
 /// One map from its initialisation on: the window of keyframes with their active and immature points.
@@ -58,7 +61,8 @@ class LocalMap {
 
   void addKeyframe(const FrameConstPtr& frame, const std::shared_ptr<const ImagePyramid>& sharp,
                    const SE3& T_map_keyframe, const Vector6& velocity, const AffineBrightness& brightness);
-  std::shared_ptr<const ImagePyramid> deblur(const TrackedFrame& tracked, const SE3& T_map_keyframe) const;
+  std::shared_ptr<const ImagePyramid> deblur(const TrackedFrame& tracked, const SE3& T_map_keyframe,
+                                             const Vector6& velocity) const;
   void activatePoints();
   SurfaceSlopes slopesIn(KeyframeId keyframe) const;
   void updateSlopes();

@@ -1,0 +1,78 @@
+// Time of deblurring one keyframe of 752x480 along its path, by the length of the blur, one thread; and of the blur
+// operator alone.
+#include <benchmark/benchmark.h>
+
+#include <opencv2/core.hpp>
+
+#include "mba_vo/deblur/blur_operator.h"
+#include "mba_vo/deblur/trajectory_deblurrer.h"
+#include "mba_vo/simulation/simulator.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr double kExposure = 0.02;  // [s]
+constexpr int kDepthSpacing = 18;   // [px], some 1000 points
+
+const Simulator& simulator() {
+  static const Simulator kSimulator([] {
+    SimulationConfig config;
+    config.depth = true;
+    return config;
+  }());
+  return kSimulator;
+}
+
+/// A camera that turns so that the image moves by `blur_px`, as much sideways as up.
+Vector6 turning(double blur_px) {
+  const double rate = blur_px / (std::sqrt(2.0) * simulator().camera().fx * kExposure);  // [rad/s]
+  return (Vector6() << 0, 0, 0, rate, rate, 0).finished();
+}
+
+DeblurInput makeInput(double blur_px) {
+  const Vector6 velocity = turning(blur_px);
+  const SE3 origin = simulator().pose(1.0);
+  const SimulatedFrame frame =
+      simulator().renderExposure([&](double t) { return origin * SE3::exp(t * velocity); }, 0.0, kExposure);
+  cv::Mat1f intensity;
+  frame.blurred.convertTo(intensity, CV_32F);
+  DeblurInput input;
+  input.image = std::make_shared<const ImagePyramid>(intensity, simulator().camera(), 6);
+  input.motion = {SE3(), velocity, kExposure};
+  for (int y = 0; y < intensity.rows; y += kDepthSpacing) {
+    for (int x = 0; x < intensity.cols; x += kDepthSpacing) {
+      input.depths.push_back({{static_cast<float>(x), static_cast<float>(y)}, 1.0F / frame.depth(y, x)});
+    }
+  }
+  return input;
+}
+
+void deblur(benchmark::State& state) {
+  cv::setNumThreads(1);
+  const DeblurInput input = makeInput(static_cast<double>(state.range(0)));
+  const TrajectoryDeblurrer deblurrer({});
+  for (auto _ : state) benchmark::DoNotOptimize(deblurrer.deblur(input));
+}
+BENCHMARK(deblur)->Arg(4)->Arg(10)->Arg(20)->Arg(40)->Unit(benchmark::kMillisecond);
+
+void blurAndBack(benchmark::State& state) {
+  const auto blur_px = static_cast<int>(state.range(0));
+  const PinholeCamera camera = simulator().camera();
+  const LatentGrid grid = BlurOperator::gridFor(camera, blur_px);
+  const BlurOperator blur({camera, camera, {SE3(), turning(blur_px), kExposure}},
+                          cv::Mat1f(camera.height, camera.width, 0.5F), grid);
+  cv::Mat1f latent(grid.size, 100.0F);
+  cv::Mat1f blurred;
+  for (auto _ : state) {
+    blur.apply(latent, blurred);
+    blur.addTransposed(blurred, latent);
+    benchmark::ClobberMemory();
+    latent.setTo(100.0F);
+  }
+}
+BENCHMARK(blurAndBack)->Arg(4)->Arg(10)->Arg(20)->Arg(40)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace mba_vo
+
+BENCHMARK_MAIN();

@@ -1,0 +1,167 @@
+#include "mba_vo/deblur/blur_operator.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mba_vo/blur/multiversion.h"
+#include "tap_accumulator.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr int kTile = BlurOperator::kTile;
+constexpr float kSpacing = 0.5F;          // of samples along a path [px]
+constexpr int kDepthIterations = 3;       // of the place that a pixel looks at and the depth there
+constexpr float kLeastShortening = 0.1F;  // of a path by a rolling shutter
+
+/// A row of a tile, wherever it begins in memory.
+using Lanes [[gnu::vector_size(kTile * sizeof(float)), gnu::aligned(4), gnu::may_alias]] = float;
+
+int roundUp(int n) { return (n + kTile - 1) / kTile * kTile; }
+
+}  // namespace
+
+class BlurOperator::Builder {
+ public:
+  Builder(const BlurGeometry& geometry, const cv::Mat1f& inverse_depth, BlurOperator& out)
+      : geometry_(geometry),
+        inverse_depth_(inverse_depth),
+        maker_(geometry.latent_camera, geometry.camera, geometry.trajectory,
+               {geometry.trajectory.velocity, geometry.trajectory.velocity}),
+        out_(out) {}
+
+  void build() {
+    for (int y = 0; y < geometry_.camera.height; y += kTile) {
+      for (int x = 0; x < geometry_.camera.width; x += kTile) addTile(x, y);
+    }
+  }
+
+ private:
+  void addTile(int x, int y) {
+    constexpr float kCentre = 0.5F * (kTile - 1);
+    const Eigen::Vector2f centre(static_cast<float>(x) + kCentre, static_cast<float>(y) + kCentre);
+    PatchPath path;
+    if (!makePath(centre, path)) return;
+    const int samples = std::max(1, static_cast<int>(std::ceil(path.length() / kSpacing)));
+    const auto shift = [&](int i) {
+      const float u = (static_cast<float>(i) + 0.5F) / static_cast<float>(samples) - 0.5F;
+      return Eigen::Vector2f(path.c0 + u * (path.c1 + u * path.c2) - centre);
+    };
+    Eigen::Vector2f low = shift(0);
+    Eigen::Vector2f high = low;
+    for (int i = 1; i < samples; ++i) {
+      low = low.cwiseMin(shift(i));
+      high = high.cwiseMax(shift(i));
+    }
+    accumulator_.begin(low, high);
+    for (int i = 0; i < samples; ++i) accumulator_.add(shift(i), 1.0F / static_cast<float>(samples));
+    collect(x, y);
+  }
+
+  float depthAt(const Eigen::Vector2f& pixel) const {
+    const float x = std::clamp(pixel.x(), 0.0F, static_cast<float>(inverse_depth_.cols - 1));
+    const float y = std::clamp(pixel.y(), 0.0F, static_cast<float>(inverse_depth_.rows - 1));
+    return inverse_depth_(static_cast<int>(std::lround(y)), static_cast<int>(std::lround(x)));
+  }
+
+  /// The path for the depth that the sharp image has where the pixel looks at mid-exposure.
+  bool makePath(const Eigen::Vector2f& pixel, PatchPath& path) const {
+    const Eigen::Vector2d p = pixel.cast<double>();
+    float depth = depthAt(pixel);
+    for (int i = 0; i < kDepthIterations; ++i) {
+      if (!maker_.makeWithoutPose(p, static_cast<double>(depth), path, p.y())) return false;
+      depth = depthAt(path.c0);
+    }
+    followRows(path);
+    return path.c0.allFinite() && path.c1.allFinite() && path.c2.allFinite();
+  }
+
+  /// With a rolling shutter the sharp image's rows are exposed at their own times, too: what is seen d rows further
+  /// down has moved by -d row_time / exposure paths until that row's time.
+  void followRows(PatchPath& path) const {
+    const double row_time = geometry_.latent_camera.row_time;
+    if (row_time == 0.0 || geometry_.trajectory.exposure <= 0.0) return;
+    const auto rows = static_cast<float>(row_time / geometry_.trajectory.exposure);
+    const float shortening = 1.0F / std::max(kLeastShortening, 1.0F + rows * path.c1.y());
+    path.c1 *= shortening;
+    path.c2 *= shortening;
+  }
+
+  void collect(int x, int y) {
+    const int margin = out_.grid_.margin;
+    const cv::Size size = out_.grid_.size;
+    if (!accumulator_.inside(-margin - x, -margin - y, size.width - margin - kTile - x,
+                             size.height - margin - kTile - y)) {
+      return;
+    }
+    Tile tile{};
+    tile.pixel = y * out_.observed_.width + x;
+    tile.origin = (y + margin) * size.width + x + margin;
+    tile.first_tap = static_cast<std::int32_t>(out_.taps_.size());
+    accumulator_.forEach([&](int dx, int dy, float weight) { out_.taps_.push_back({dy * size.width + dx, weight}); });
+    tile.taps = static_cast<std::int32_t>(out_.taps_.size()) - tile.first_tap;
+    out_.tiles_.push_back(tile);
+    const cv::Rect image(0, 0, geometry_.camera.width, geometry_.camera.height);
+    out_.seen_(cv::Rect(x, y, kTile, kTile) & image).setTo(1.0F);
+  }
+
+  BlurGeometry geometry_;
+  const cv::Mat1f& inverse_depth_;
+  FixedMotionPathMaker maker_;
+  BlurOperator& out_;
+  TapAccumulator accumulator_;
+};
+
+BlurOperator::BlurOperator(const BlurGeometry& geometry, const cv::Mat1f& inverse_depth, const LatentGrid& grid)
+    : grid_(grid), observed_(roundUp(geometry.camera.width), roundUp(geometry.camera.height)), seen_(observed_, 0.0F) {
+  Builder(geometry, inverse_depth, *this).build();
+}
+
+LatentGrid BlurOperator::gridFor(const PinholeCamera& latent_camera, int reach_px) {
+  const int margin = reach_px + kTile;
+  return {margin, {roundUp(latent_camera.width) + 2 * margin, roundUp(latent_camera.height) + 2 * margin}};
+}
+
+void BlurOperator::apply(const cv::Mat1f& latent, cv::Mat1f& blurred) const {
+  blurred.create(observed_);
+  blurred.setTo(0.0F);
+  applyTiles(latent[0], blurred[0]);
+}
+
+void BlurOperator::addTransposed(const cv::Mat1f& blurred, cv::Mat1f& latent) const {
+  addTilesTransposed(blurred[0], latent[0]);
+}
+
+MBA_VO_MULTIVERSION
+void BlurOperator::applyTiles(const float* latent, float* blurred) const {
+  const int stride = grid_.size.width;
+  for (const Tile& tile : tiles_) {
+    const float* source = latent + tile.origin;
+    Lanes sum[kTile] = {};
+    for (int t = tile.first_tap; t < tile.first_tap + tile.taps; ++t) {
+      const Tap tap = taps_[static_cast<std::size_t>(t)];
+      const float* row = source + tap.offset;
+      for (int y = 0; y < kTile; ++y, row += stride) sum[y] += tap.weight * *reinterpret_cast<const Lanes*>(row);
+    }
+    float* target = blurred + tile.pixel;
+    for (int y = 0; y < kTile; ++y, target += observed_.width) *reinterpret_cast<Lanes*>(target) = sum[y];
+  }
+}
+
+MBA_VO_MULTIVERSION
+void BlurOperator::addTilesTransposed(const float* blurred, float* latent) const {
+  const int stride = grid_.size.width;
+  for (const Tile& tile : tiles_) {
+    const float* source = blurred + tile.pixel;
+    Lanes value[kTile];
+    for (int y = 0; y < kTile; ++y, source += observed_.width) value[y] = *reinterpret_cast<const Lanes*>(source);
+    float* target = latent + tile.origin;
+    for (int t = tile.first_tap; t < tile.first_tap + tile.taps; ++t) {
+      const Tap tap = taps_[static_cast<std::size_t>(t)];
+      float* row = target + tap.offset;
+      for (int y = 0; y < kTile; ++y, row += stride) *reinterpret_cast<Lanes*>(row) += tap.weight * value[y];
+    }
+  }
+}
+
+}  // namespace mba_vo
