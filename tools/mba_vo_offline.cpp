@@ -36,6 +36,7 @@ struct Arguments {
   std::string exposure_topic;
   std::string stamp_reference = "middle";
   std::size_t skip = 0;
+  std::size_t frames = 0;
   int reference_delay = 0;
   bool rectified = false;
   bool deterministic = false;
@@ -87,6 +88,7 @@ void describe(CLI::App& app, Arguments& a) {
       ->capture_default_str()
       ->check(checkRowTime);
   app.add_option("--skip", a.skip, "images to leave out at the beginning")->capture_default_str();
+  app.add_option("--frames", a.frames, "most images to take after these, 0 = all")->capture_default_str();
   app.add_flag("--deterministic", a.deterministic, "bit-identical results run after run");
   app.add_option("--reference-delay", a.reference_delay,
                  "frames from a keyframe to the first that is aligned to it; 0 = ideal, about 12 = a live machine")
@@ -208,6 +210,7 @@ void run(const Arguments& a) {
   options.config.mapper.deterministic = a.deterministic;
   options.exposure = exposureOverride(a);
   options.skip = a.skip;
+  options.frames = a.frames;
   options.reference_delay_frames = a.reference_delay;
   options.config.image.row_time = rowTime(a, options);
   const auto reader = openSequence(a);

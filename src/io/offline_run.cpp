@@ -1,6 +1,7 @@
 #include "mba_vo/io/offline_run.h"
 
 #include <chrono>
+#include <limits>
 #include <stdexcept>
 
 #include "mba_vo/io/photometric_files.h"
@@ -101,13 +102,13 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
       const Stopwatch stopwatch(result.times.load);
       return reader.next();
     };
-    for (std::size_t done = 1; const std::optional<SequenceImage> image = load(); ++done) {
-      if (done <= options.skip) {
-        ++result.skipped;
-      } else {
-        run.process(*image, result);
-      }
-      progress(done);
+    while (result.skipped < options.skip && reader.skip()) progress(++result.skipped);
+    const std::size_t most = options.frames > 0 ? options.frames : std::numeric_limits<std::size_t>::max();
+    for (std::size_t taken = 0; taken < most;) {
+      const std::optional<SequenceImage> image = load();
+      if (!image) break;
+      run.process(*image, result);
+      progress(result.skipped + ++taken);
     }
     run.finish(result);
   }
