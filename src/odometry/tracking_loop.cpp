@@ -1,9 +1,11 @@
 #include "mba_vo/odometry/tracking_loop.h"
 
+#include <algorithm>
 #include <deque>
 #include <optional>
 #include <utility>
 
+#include "mba_vo/odometry/orientation_tracking.h"
 #include "mba_vo/odometry/recent_frames.h"
 #include "mba_vo/tracking/motion_state.h"
 
@@ -16,13 +18,14 @@ constexpr double kRevisionNeed = 1.5;        // of a keyframe, 1 = the next shar
 constexpr double kProvisionalNeed = 2.0;     // the same
 constexpr double kHoldingNeed = 4.0;         // the same
 constexpr double kLongestProvisional = 0.5;  // [s]
+constexpr double kUnknownVariance = 1e6;     // of a position that nothing has measured [m^2]
 constexpr int kFramesUntilKeyframe = 2;      // the mapper looks at one more frame before it makes a keyframe
 
 double secondsBetween(const Frame& from, const Frame& to) {
   return 1e-9 * static_cast<double>(to.mid_exposure_ns - from.mid_exposure_ns);
 }
 
-TrackedFrameConstPtr untracked(const FrameConstPtr& frame, TrackingStatus status, const std::string& reason) {
+std::shared_ptr<TrackedFrame> untracked(const FrameConstPtr& frame, TrackingStatus status, const std::string& reason) {
   auto tracked = std::make_shared<TrackedFrame>();
   tracked->frame = frame;
   tracked->status = status;
@@ -37,17 +40,20 @@ class TrackingLoop::Impl {
   explicit Impl(const OdometryConfig& config)
       : tracker_config_(config.tracker),
         tracker_(config.tracker),
+        orientation_(config.tracker),
         keyframe_policy_(config.keyframe),
         restart_after_lost_(config.mapper.restart_after_lost),
         longest_wait_(config.mapper.initializer.buffer_seconds + kMapperTime) {}
 
   TrackedFrameConstPtr process(const FrameConstPtr& frame) {
     if (reference_ && lostFor(*frame) >= restart_after_lost_) reference_.reset();  // as the mapper does
-    if (reference_ && waiting_.empty()) return track({frame, true, false});
-    waiting_.push_back({frame, false, false});
+    if (reference_ && waiting_.empty()) return track({frame, true, false, {}});
+    const auto result = untracked(frame, TrackingStatus::kInitializing,
+                                  reference_ ? "earlier frames are still being tracked" : "no map yet");
+    if (!reference_) trackOrientation(*result);
+    waiting_.push_back({frame, false, false, T_odom_camera_});
     while (secondsBetween(*waiting_.front().frame, *frame) > longest_wait_) waiting_.pop_front();
-    return untracked(frame, TrackingStatus::kInitializing,
-                     reference_ ? "earlier frames are still being tracked" : "no map yet");
+    return result;
   }
 
   bool take(const ReferenceConstPtr& reference, bool may_go_back) {
@@ -58,7 +64,8 @@ class TrackingLoop::Impl {
       T_odom_reference_ = T_odom_reference_ * T_new_old.inverse();
     } else if (reference->hint) {
       motion_ = {reference->hint->trajectory, reference->hint->mid_exposure_ns};
-      T_odom_reference_ = T_odom_camera_ * motion_.last().T_reference_mid.inverse();
+      T_odom_reference_ = T_odom_cameraAt(*reference->hint) * motion_.last().T_reference_mid.inverse();
+      T_odom_first_.reset();
       brightness_ = reference->brightness;
       recent_.clear();
     } else {
@@ -94,6 +101,7 @@ class TrackingLoop::Impl {
     frames_since_request_ = 0;
     hold_since_ns_.reset();
     provisional_since_ns_.reset();
+    T_odom_first_.reset();
     T_odom_camera_ = SE3();
     T_odom_reference_ = SE3();
   }
@@ -105,9 +113,29 @@ class TrackingLoop::Impl {
  private:
   struct WaitingFrame {
     FrameConstPtr frame;
-    bool in_time;  // its first result came when the frame did
-    bool mapped;   // the mapper has used it
+    bool in_time;       // its first result came when the frame did
+    bool mapped;        // the mapper has used it
+    SE3 T_odom_camera;  // by its orientation, if it came before there was a map
   };
+
+  /// Without a map the odometry still turns with the camera.
+  void trackOrientation(TrackedFrame& result) {
+    if (!T_odom_first_) {
+      orientation_.reset();
+      T_odom_first_ = T_odom_camera_;
+    }
+    result.orientation_only = orientation_.track(result.frame);
+    result.trajectory = orientation_.last();
+    result.covariance.topLeftCorner<3, 3>() = kUnknownVariance * Eigen::Matrix3d::Identity();
+    result.covariance.block<3, 3>(3, 3) = orientation_.covariance();
+    T_odom_camera_ = *T_odom_first_ * result.trajectory.T_reference_mid;
+  }
+
+  SE3 T_odom_cameraAt(const TrackingHint& hint) const {
+    const auto same = [&](const WaitingFrame& w) { return w.frame->sequence == hint.frame_sequence; };
+    const auto found = std::find_if(waiting_.begin(), waiting_.end(), same);
+    return found != waiting_.end() ? found->T_odom_camera : T_odom_camera_;
+  }
 
   /// Goes back to the first of the frames, which are seen better by the reference that has just come.
   void trackAgain(const std::vector<RecentFrames::Entry>& frames) {
@@ -115,7 +143,7 @@ class TrackingLoop::Impl {
     motion_ = frames.front().motion_before;
     brightness_ = frames.front().brightness_before;
     std::vector<WaitingFrame> again;
-    for (const RecentFrames::Entry& entry : frames) again.push_back({entry.frame, entry.in_time, entry.mapped});
+    for (const RecentFrames::Entry& entry : frames) again.push_back({entry.frame, entry.in_time, entry.mapped, {}});
     waiting_.insert(waiting_.begin(), again.begin(), again.end());
   }
 
@@ -176,6 +204,7 @@ class TrackingLoop::Impl {
 
   TrackerConfig tracker_config_;
   Tracker tracker_;
+  OrientationTracking orientation_;
   KeyframePolicy keyframe_policy_;
   double restart_after_lost_;  // [s]
   double longest_wait_;        // [s]
@@ -191,6 +220,7 @@ class TrackingLoop::Impl {
   AffineBrightness brightness_;
   SE3 T_odom_camera_;
   SE3 T_odom_reference_;
+  std::optional<SE3> T_odom_first_;  // of the first frame without a map
 };
 
 TrackingLoop::TrackingLoop(const OdometryConfig& config) : impl_(std::make_unique<Impl>(config)) {}

@@ -125,6 +125,7 @@ Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentSt
   options.max_samples = config_.max_samples;
   options.estimate_xi = job.exposure > 0.0;
   options.exposure = job.exposure;
+  options.rotation_only = job.reference.at_infinity;
   options.with_covariance = level == 0;
   AlignmentProblem problem(job.reference, job.points[static_cast<std::size_t>(level)], job.frame, level, pattern,
                            options, priorFor(job, initial), initial);

@@ -85,6 +85,27 @@ TEST(TrackingLoop, FramesBeforeThereIsAMapAreInitializing) {
   EXPECT_EQ(distance(loop.T_map_odom(), SE3()), 0.0);
 }
 
+TEST(TrackingLoop, WithoutAMapTheOdometryTurnsWithTheCamera) {
+  TrackingLoop loop{OdometryConfig()};
+  std::vector<SE3> odometry;
+  for (int i = 0; i <= 5; ++i) {
+    const TrackedFrameConstPtr tracked = loop.process(frame(i));
+    EXPECT_EQ(tracked->status, TrackingStatus::kInitializing);
+    EXPECT_TRUE(tracked->orientation_only);
+    EXPECT_GT(tracked->covariance(0, 0), 1e5) << "there is no position";
+    odometry.push_back(loop.T_odom_camera());
+    EXPECT_EQ(odometry.back().translation().norm(), 0.0);
+    // The camera moves too, which is taken for rotation where it looks like one.
+    EXPECT_LT(odometry.back().rotation().angularDistance(truth(0, i).rotation()), 0.02) << "frame " << i;
+  }
+  // With a map it goes on from where it was at the frame that the hint is about.
+  ASSERT_TRUE(loop.take(makeReference(1, 0, 0, someCorrection(), 2)));
+  const TrackedFrameConstPtr late = loop.trackWaiting();
+  ASSERT_TRUE(late && late->tracked());
+  EXPECT_FALSE(late->orientation_only);
+  EXPECT_LT(distance(loop.T_odom_camera(), odometry.at(2) * truth(2, 3)), kClose);
+}
+
 TEST(TrackingLoop, AReferenceWithoutAHintIsOfNoUseToBeginWith) {
   TrackingLoop loop{OdometryConfig()};
   loop.process(frame(0));

@@ -58,6 +58,7 @@ struct Reference {
   std::vector<ReferencePoint> points;
   std::map<KeyframeId, SE3> T_map_keyframe;  // the window's poses at the same moment
   std::optional<TrackingHint> hint;
+  bool at_infinity = false;  // no depths are known and the points' mean nothing: only rotation can be tracked
 };
 
 using ReferenceConstPtr = std::shared_ptr<const Reference>;

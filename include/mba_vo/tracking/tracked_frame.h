@@ -36,6 +36,9 @@ struct TrackedFrame {
   int points_used = 0;                     // patches
   bool keyframe_requested = false;
   bool provisional = false;  // it will be tracked again, against a keyframe that it sees better: not for the map yet
+  /// While INITIALIZING: rotation and angular velocity of `trajectory` are measured, relative to an earlier frame, and
+  /// so is the covariance of the mid pose; there is no position.
+  bool orientation_only = false;
   double tracking_ms = 0.0;
 
   bool tracked() const { return status == TrackingStatus::kTracking || status == TrackingStatus::kDegraded; }
