@@ -13,10 +13,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include "mba_vo/io/faulty_sequence.h"
 #include "mba_vo/io/offline_run.h"
 #include "mba_vo/io/progress_bar.h"
 #include "mba_vo/io/row_time_search.h"
 #include "mba_vo/io/run_writer.h"
+#include "mba_vo/io/trajectory_writer.h"
 #include "mba_vo/odometry/config_yaml.h"
 #ifdef MBA_VO_WITH_ROS
 #include "mba_vo/ros/bag_reader.h"
@@ -37,6 +39,8 @@ struct Arguments {
   std::string stamp_reference = "middle";
   std::size_t skip = 0;
   std::size_t frames = 0;
+  std::vector<std::string> faults;
+  unsigned fault_seed = 1;
   int reference_delay = 0;
   bool rectified = false;
   bool deterministic = false;
@@ -89,6 +93,11 @@ void describe(CLI::App& app, Arguments& a) {
       ->check(checkRowTime);
   app.add_option("--skip", a.skip, "images to leave out at the beginning")->capture_default_str();
   app.add_option("--frames", a.frames, "most images to take after these, 0 = all")->capture_default_str();
+  app.add_option("--faults", a.faults,
+                 "spoils the recording on purpose: all, or a list of black saturated covered frozen unreadable gap "
+                 "forwards backwards restart brightness exposure kidnap")
+      ->delimiter(',');
+  app.add_option("--fault-seed", a.fault_seed, "decides what happens when")->capture_default_str();
   app.add_flag("--deterministic", a.deterministic, "bit-identical results run after run");
   app.add_option("--reference-delay", a.reference_delay,
                  "frames from a keyframe to the first that is aligned to it; 0 = ideal, about 12 = a live machine")
@@ -194,6 +203,23 @@ double rowTime(const Arguments& a, const mba_vo::OfflineOptions& options) {
   return found.row_time;
 }
 
+/// The recording itself, or spoilt.
+struct Recording {
+  std::unique_ptr<mba_vo::SequenceReader> reader;
+  const mba_vo::FaultySequence* faulty = nullptr;
+};
+
+Recording openRecording(const Arguments& a) {
+  Recording recording{openSequence(a)};
+  if (a.faults.empty()) return recording;
+  mba_vo::FaultConfig config{a.fault_seed, a.faults};
+  if (a.faults.front() == "all") config.kinds.clear();
+  auto faulty = std::make_unique<mba_vo::FaultySequence>(*recording.reader, config);
+  recording.faulty = faulty.get();
+  recording.reader = std::move(faulty);
+  return recording;
+}
+
 void run(const Arguments& a) {
   mba_vo::OfflineOptions options;
   if (!a.config_file.empty()) {
@@ -213,12 +239,16 @@ void run(const Arguments& a) {
   options.frames = a.frames;
   options.reference_delay_frames = a.reference_delay;
   options.config.image.row_time = rowTime(a, options);
-  const auto reader = openSequence(a);
+  const Recording recording = openRecording(a);
   const mba_vo::OfflineResult result = [&] {
-    mba_vo::ProgressBar bar(std::cerr, reader->size(), isatty(STDERR_FILENO) == 1);
-    return mba_vo::runOffline(*reader, options, [&](std::size_t done) { bar.update(done); });
+    mba_vo::ProgressBar bar(std::cerr, recording.reader->size(), isatty(STDERR_FILENO) == 1);
+    return mba_vo::runOffline(*recording.reader, options, [&](std::size_t done) { bar.update(done); });
   }();
   mba_vo::writeRun(a.output, result, settingsOf(a));
+  if (recording.faulty) {
+    const std::string file = (std::filesystem::path(a.output) / "faults.csv").string();
+    mba_vo::writeFile(file, [&](std::ostream& out) { mba_vo::writeFaults(recording.faulty->records(), out); });
+  }
   printCounts(result);
 }
 

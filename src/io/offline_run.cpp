@@ -41,7 +41,14 @@ class Run {
       result.log.addRejected(image, image.problem);
       return;
     }
-    const InputVerdict verdict = guard_.check(image.stamp_ns, exposure_ ? exposure_ : image.exposure);
+    InputVerdict verdict = guard_.check(image.stamp_ns, exposure_ ? exposure_ : image.exposure);
+    if (verdict.clock_restarted) {
+      odometry_.reset();
+      guard_.reset();
+      const std::string restart = verdict.reason + ": taken for a new start";
+      verdict = guard_.check(image.stamp_ns, exposure_ ? exposure_ : image.exposure);
+      verdict.reason = restart;
+    }
     if (!verdict.accepted) {
       result.log.addRejected(image, verdict.reason);
       return;

@@ -31,6 +31,9 @@ class Odometry {
   /// To be called after the last frame: does what has been put off. No reference is waited for any longer.
   OdometryResult finish();
 
+  /// Begins anew, with another map; the trajectory keeps what was found so far.
+  void reset();
+
   std::vector<TrajectoryEntry> trajectory() const { return mapper_.trajectory(); }
   std::vector<MapPoint> points() const { return mapper_.points(); }
 
