@@ -17,6 +17,7 @@ import argparse
 import concurrent.futures
 import csv
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -81,20 +82,21 @@ def start_at(arguments, folder, skip):
     start = {"skip": skip, "begin": float(frames[0]["time"]), "end": float(frames[-1]["time"]), "map": None,
              "share": sum(f["map"] != "" for f in frames) / len(frames),
              "reasons": [f["message"] or f["reason"] for f in frames]}
-    began = [float(f["time"]) for f in frames if "initialised" in f["message"]]
-    first = maps == maps.min(initial=1)
-    if not began or not first.any():
+    began = {int(n): float(f["time"]) for f in frames for n in re.findall(r"map (\d+) initialised", f["message"])}
+    if not began or not maps.size:
         return start
-    start["map"] = began[0]
+    first = maps == maps.min()  # of those that were not given up
+    begin = began[int(maps.min())]
+    start["map"] = begin
     start["maps"] = len(began)
-    all_of_it = first & (times <= began[0] + FOLLOWING)
+    all_of_it = first & (times <= begin + FOLLOWING)
     start["scale"] = align(positions[all_of_it], truth.at(times[all_of_it]))[0]
-    after = first & (times >= began[0]) & (times <= began[0] + FOLLOWING)
-    if after.any() and times[after][-1] - began[0] >= LEAST_FOLLOWING:
+    after = first & (times >= begin) & (times <= begin + FOLLOWING)
+    if after.any() and times[after][-1] - begin >= LEAST_FOLLOWING:
         true = truth.at(times[after])
         path = np.linalg.norm(np.diff(true, axis=0), axis=1).sum()
         start["error"] = 100.0 * np.sqrt((align(positions[after], true)[1] ** 2).mean()) / path
-    elif start["end"] - began[0] > LEAST_FOLLOWING:
+    elif start["end"] - begin > LEAST_FOLLOWING:
         start["error"] = np.inf  # the map was lost again
     return start
 

@@ -67,7 +67,7 @@ class Spoiler {
     if (kind == "forwards") jump_ns_ += static_cast<std::int64_t>(1e9 * uniform(0.5, 30.0));
     if (kind == "backwards") jump_ns_ -= static_cast<std::int64_t>(1e9 * uniform(0.05, 0.8));
     // A little off, so that no stamp comes twice.
-    if (kind == "restart") jump_ns_ -= static_cast<std::int64_t>(1e9 * elapsed_) + jump_ns_ - 100000;
+    if (kind == "restart") jump_ns_ = 100000 * ++restarts_ - static_cast<std::int64_t>(1e9 * elapsed_);
     gain_ = std::exp(uniform(-std::log(8.0), std::log(8.0)));
   }
 
@@ -130,8 +130,9 @@ class Spoiler {
   std::int64_t time_ns_ = 0;
   std::int64_t jump_ns_ = 0;  // of the clock
   double elapsed_ = 0.0;      // [s]
-  std::string fault_;         // now
-  double left_ = 0.0;         // of it [s]
+  int restarts_ = 0;
+  std::string fault_;  // now
+  double left_ = 0.0;  // of it [s]
   double gain_ = 1.0;
   cv::Mat last_;
 };

@@ -21,7 +21,7 @@ std::optional<Relocalizer::Found> Recovery::lose(const TrackedFrame& frame, doub
   clock_.lose(now, frame.blind);
   const bool on_its_way = found_ns_ && 1e-9 * static_cast<double>(now - *found_ns_) < kLongestWayThere;
   if (frame.blind || on_its_way || clock_.seconds() < kLeastLost || isLostForGood()) return std::nullopt;
-  const auto found = relocalizer_.find(frame.frame, usual_error);
+  auto found = relocalizer_.find(frame.frame, usual_error);
   if (!found) return std::nullopt;
   clock_.find();
   found_ns_ = now;

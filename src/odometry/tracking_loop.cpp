@@ -11,6 +11,7 @@
 #include "mba_vo/odometry/image_check.h"
 #include "mba_vo/odometry/orientation_tracking.h"
 #include "mba_vo/odometry/recent_frames.h"
+#include "mba_vo/odometry/tracking_results.h"
 #include "mba_vo/tracking/lost_clock.h"
 #include "mba_vo/tracking/motion_state.h"
 
@@ -32,14 +33,6 @@ double secondsBetween(const Frame& from, const Frame& to) {
   return 1e-9 * static_cast<double>(to.mid_exposure_ns - from.mid_exposure_ns);
 }
 
-std::shared_ptr<TrackedFrame> untracked(const FrameConstPtr& frame, TrackingStatus status, const std::string& reason) {
-  auto tracked = std::make_shared<TrackedFrame>();
-  tracked->frame = frame;
-  tracked->status = status;
-  tracked->reason = reason;
-  return tracked;
-}
-
 }  // namespace
 
 class TrackingLoop::Impl {
@@ -59,7 +52,13 @@ class TrackingLoop::Impl {
       reference_.reset();
       no_map_reason_ = "lost for too long, no map yet";
     }
-    if (reference_ && waiting_.empty()) return track({frame, true, false, {}});
+    if (reference_ && waiting_.empty()) {
+      const bool was_lost = lost_.lost();
+      auto tracked = track({frame, true, false, {}});
+      if (image_check_.repeated()) degrade(*tracked, "the image repeats the one before");
+      if (was_lost) degrade(*tracked, "found again by prediction, which no other frame has confirmed yet");
+      return tracked;
+    }
     const auto result = untracked(frame, TrackingStatus::kInitializing,
                                   reference_ ? "earlier frames are still being tracked" : no_map_reason_);
     if (!reference_) trackOrientation(*result);
@@ -204,7 +203,7 @@ class TrackingLoop::Impl {
     return 1e-9 * static_cast<double>(newest_ns - *hold_since_ns_) < kLongestHold;
   }
 
-  TrackedFrameConstPtr track(const WaitingFrame& next) {
+  std::shared_ptr<TrackedFrame> track(const WaitingFrame& next) {
     const FrameConstPtr& frame = next.frame;
     TrackingGuess guess(motion_.priorAt(frame->mid_exposure_ns),
                         frame->exposure.value_or(tracker_config_.unknown_exposure));

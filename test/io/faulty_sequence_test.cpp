@@ -103,6 +103,9 @@ TEST(FaultySequence, ClocksJumpAndImagesFreeze) {
     EXPECT_LT(restarted.records[i].stamp_ns, 5200000000);
   }
   EXPECT_GT(back, 1);
+  std::set<std::int64_t> stamps;
+  for (const FaultRecord& record : restarted.records)
+    EXPECT_TRUE(stamps.insert(record.stamp_ns).second) << "no stamp twice";
   const Spoilt frozen = spoil(5, {"frozen"});
   int repeated = 0;
   for (std::size_t i = 1; i < frozen.images.size(); ++i) {
