@@ -53,10 +53,8 @@ class TrackingLoop::Impl {
       no_map_reason_ = "lost for too long, no map yet";
     }
     if (reference_ && waiting_.empty()) {
-      const bool was_lost = lost_.lost();
       auto tracked = track({frame, true, false, {}});
       if (image_check_.repeated()) degrade(*tracked, "the image repeats the one before");
-      if (was_lost) degrade(*tracked, "found again by prediction, which no other frame has confirmed yet");
       return tracked;
     }
     const auto result = untracked(frame, TrackingStatus::kInitializing,
@@ -110,7 +108,6 @@ class TrackingLoop::Impl {
   }
 
   std::size_t waitingFrames() const { return waiting_.size(); }
-
   void reset() {
     reference_.reset();
     waiting_.clear();
@@ -164,7 +161,7 @@ class TrackingLoop::Impl {
     }
     result.orientation_only = orientation_.track(result.frame);
     result.trajectory = orientation_.last();
-    result.covariance.topLeftCorner<3, 3>() = kUnknownVariance * Eigen::Matrix3d::Identity();
+    result.covariance.diagonal().head<3>().setConstant(kUnknownVariance);
     result.covariance.block<3, 3>(3, 3) = orientation_.covariance();
     T_odom_camera_ = *T_odom_first_ * result.trajectory.T_reference_mid;
   }
@@ -211,6 +208,7 @@ class TrackingLoop::Impl {
     guess.brightness = expectedBrightness(contrast_now);
     auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
     RecentFrames::Entry entry = {frame, next.in_time, next.mapped, motion_, brightness_, contrast_};
+    if (lost_.lost()) judgeFirstAfterLoss(tracker_config_, *tracked);
     if (!tracked->tracked()) {
       lost_.lose(frame->mid_exposure_ns, false);
     } else {

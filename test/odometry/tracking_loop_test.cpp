@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mba_vo/odometry/tracking_results.h"
 #include "support/rendered_room.h"
 
 namespace mba_vo {
@@ -281,6 +282,20 @@ TEST(TrackingLoop, GoesOnFromWhereTheMapperFoundIt) {
   }
   // The way there was not seen, but it is known now: odometry is where the map says.
   EXPECT_LT(distance(loop.T_odom_camera(), T_odom_first * truth(0, 12)), 2 * kClose);
+}
+
+TEST(TrackingLoop, AfterALossAPoorPoseIsNone) {
+  TrackedFrame poor;
+  poor.status = TrackingStatus::kDegraded;
+  poor.inlier_fraction = 0.7;
+  judgeFirstAfterLoss(TrackerConfig(), poor);
+  EXPECT_EQ(poor.status, TrackingStatus::kLost);
+  TrackedFrame good;
+  good.status = TrackingStatus::kTracking;
+  good.inlier_fraction = 0.9;
+  judgeFirstAfterLoss(TrackerConfig(), good);
+  EXPECT_EQ(good.status, TrackingStatus::kDegraded);
+  EXPECT_FALSE(good.reason.empty());
 }
 
 TEST(TrackingLoop, LeavesAMapThatWasGivenUp) {
