@@ -13,8 +13,10 @@
 #include <CLI/CLI.hpp>
 
 #include "mba_vo/io/calibrated_run.h"
+#include "mba_vo/io/faulty_sequence.h"
 #include "mba_vo/io/progress_bar.h"
 #include "mba_vo/io/run_writer.h"
+#include "mba_vo/io/trajectory_writer.h"
 #include "mba_vo/odometry/config_yaml.h"
 #ifdef MBA_VO_WITH_ROS
 #include "mba_vo/ros/bag_reader.h"
@@ -34,6 +36,9 @@ struct Arguments {
   std::string stamp_reference = "middle";
   std::optional<double> row_time;  // [s]
   std::size_t skip = 0;
+  std::size_t frames = 0;
+  std::vector<std::string> faults;
+  unsigned fault_seed = 1;
   int reference_delay = 0;
   bool rectified = false;
   bool deterministic = false;
@@ -69,6 +74,12 @@ void describe(CLI::App& app, Arguments& a) {
                  "rolling shutter: seconds from one row to the next; default: image.row_time of the configuration")
       ->check(CLI::Range(-1e-3, 1e-3));
   app.add_option("--skip", a.skip, "images to leave out at the beginning")->capture_default_str();
+  app.add_option("--frames", a.frames, "most images to take after these, 0 = all")->capture_default_str();
+  app.add_option("--faults", a.faults,
+                 "spoils the recording on purpose: all, or a list of black saturated covered frozen unreadable gap "
+                 "forwards backwards restart brightness exposure kidnap")
+      ->delimiter(',');
+  app.add_option("--fault-seed", a.fault_seed, "decides what happens when")->capture_default_str();
   app.add_flag("--deterministic", a.deterministic, "bit-identical results run after run");
   app.add_option("--reference-delay", a.reference_delay,
                  "frames from a keyframe to the first that is aligned to it; 0 = ideal, about 12 = a live machine")
@@ -168,12 +179,24 @@ void printCorrection(const mba_vo::CalibrationCorrection& c) {
             << std::flush;
 }
 
+/// The recording itself, or spoilt in the ways that `faults` then tells.
+std::unique_ptr<mba_vo::SequenceReader> openRecording(const Arguments& a, std::vector<mba_vo::FaultRecord>& faults) {
+  std::unique_ptr<mba_vo::SequenceReader> reader = openSequence(a);
+  if (a.faults.empty()) return reader;
+  mba_vo::FaultConfig config{a.fault_seed, a.faults};
+  if (a.faults.front() == "all") config.kinds.clear();
+  auto faulty = std::make_unique<mba_vo::FaultySequence>(*reader, config);
+  faults = faulty->records();
+  return faulty;
+}
+
 /// The whole sequence, perhaps in several goes, with a progress bar each.
-mba_vo::OfflineResult runOver(const Arguments& a, const mba_vo::OfflineOptions& options) {
+mba_vo::OfflineResult runOver(const Arguments& a, const mba_vo::OfflineOptions& options,
+                              std::vector<mba_vo::FaultRecord>& faults) {
   std::unique_ptr<mba_vo::ProgressBar> bar;
   mba_vo::CalibratedRun run;
   run.open = [&] {
-    auto reader = openSequence(a);
+    auto reader = openRecording(a, faults);
     bar = std::make_unique<mba_vo::ProgressBar>(std::cerr, reader->size(), isatty(STDERR_FILENO) == 1);
     return reader;
   };
@@ -201,10 +224,16 @@ void run(const Arguments& a) {
   options.config.mapper.deterministic = a.deterministic;
   options.exposure = exposureOverride(a);
   options.skip = a.skip;
+  options.frames = a.frames;
   options.reference_delay_frames = a.reference_delay;
   if (a.row_time) options.config.image.row_time = *a.row_time;
-  const mba_vo::OfflineResult result = runOver(a, options);
+  std::vector<mba_vo::FaultRecord> faults;
+  const mba_vo::OfflineResult result = runOver(a, options, faults);
   mba_vo::writeRun(a.output, result, settingsOf(a));
+  if (!a.faults.empty()) {
+    const std::string file = (std::filesystem::path(a.output) / "faults.csv").string();
+    mba_vo::writeFile(file, [&](std::ostream& out) { mba_vo::writeFaults(faults, out); });
+  }
   printCounts(result);
 }
 

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "mba_vo/io/photometric_files.h"
@@ -51,7 +52,14 @@ class Run {
       result.log.addRejected(image, image.problem);
       return;
     }
-    const InputVerdict verdict = guard_.check(image.stamp_ns, exposure_ ? exposure_ : image.exposure);
+    InputVerdict verdict = guard_.check(image.stamp_ns, exposure_ ? exposure_ : image.exposure);
+    if (verdict.clock_restarted) {
+      odometry_.reset();
+      guard_.reset();
+      const std::string restart = verdict.reason + ": taken for a new start";
+      verdict = guard_.check(image.stamp_ns, exposure_ ? exposure_ : image.exposure);
+      verdict.reason = restart;
+    }
     if (!verdict.accepted) {
       result.log.addRejected(image, verdict.reason);
       return;
@@ -123,14 +131,14 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
       const Stopwatch stopwatch(result.times.load);
       return reader.next();
     };
-    for (std::size_t done = 1; const std::optional<SequenceImage> image = load(); ++done) {
-      if (done <= options.skip) {
-        ++result.skipped;
-      } else {
-        run.process(*image, result);
-      }
-      progress(done);
-      if (done == options.skip + options.stop_if_corrected_within && run.corrected()) break;
+    while (result.skipped < options.skip && reader.skip()) progress(++result.skipped);
+    const std::size_t most = options.frames > 0 ? options.frames : std::numeric_limits<std::size_t>::max();
+    for (std::size_t taken = 0; taken < most;) {
+      const std::optional<SequenceImage> image = load();
+      if (!image) break;
+      run.process(*image, result);
+      progress(result.skipped + ++taken);
+      if (taken == options.stop_if_corrected_within && run.corrected()) break;
     }
     run.finish(result);
     const std::size_t processed = result.log.frames().size();

@@ -21,6 +21,7 @@ void takeTracking(const TrackedFrame& tracked, FrameRecord& record) {
     record.blur_length_px = tracked.measures.blur_length_px;
     record.points_used = tracked.points_used;
     record.residual_rms = tracked.residual_rms;
+    record.pixel_error = tracked.pixel_error;
   }
   record.tracking_ms += tracked.tracking_ms;
 }

@@ -57,27 +57,29 @@ void writeStage(std::ostream& out, const char* name, double seconds, std::size_t
 }  // namespace
 
 void writeFrames(const std::vector<FrameRecord>& frames, std::ostream& out) {
-  out << "sequence,time,stamp,exposure,status,reason,map,blur_px,points,residual,tracking_ms,mapping_ms,message\n";
+  out << "sequence,time,stamp,exposure,status,reason,map,blur_px,points,residual,error_px,tracking_ms,mapping_ms,"
+         "message\n";
   out << std::fixed << std::setprecision(3);
   for (const FrameRecord& frame : frames) {
     constexpr int kMicroseconds = 6;
     out << frame.sequence << "," << formatSeconds(frame.mid_exposure_ns) << "," << formatSeconds(frame.stamp_ns) << ","
         << optionalText(frame.exposure, kMicroseconds) << "," << frame.status << "," << quoted(frame.reason) << ","
         << optionalText(frame.map, 0) << "," << optionalText(frame.blur_length_px, 2) << ","
-        << optionalText(frame.points_used, 0) << "," << optionalText(frame.residual_rms, 3) << "," << frame.tracking_ms
-        << "," << frame.mapping_ms << "," << quoted(frame.message) << "\n";
+        << optionalText(frame.points_used, 0) << "," << optionalText(frame.residual_rms, 3) << ","
+        << optionalText(frame.pixel_error, 3) << "," << frame.tracking_ms << "," << frame.mapping_ms << ","
+        << quoted(frame.message) << "\n";
   }
 }
 
 void writeKeyframes(const std::vector<KeyframeReport>& keyframes, std::ostream& out) {
-  out << "keyframe,sequence,time,blur_px,points,residuals,rms,depth_search_ms,activation_ms,deblur_ms,optimisation_ms,"
-         "calibration_ms,marginalisation_ms,selection_ms,total_ms\n";
+  out << "keyframe,sequence,time,blur_px,points,residuals,rms,error_px,depth_search_ms,activation_ms,deblur_ms,"
+         "optimisation_ms,calibration_ms,marginalisation_ms,selection_ms,total_ms\n";
   out << std::fixed << std::setprecision(3);
   for (const KeyframeReport& k : keyframes) {
     out << k.keyframe_id << "," << k.frame_sequence << "," << formatSeconds(k.mid_exposure_ns) << ","
-        << k.blur_length_px << "," << k.points << "," << k.residuals << "," << k.rms << "," << k.depth_search_ms << ","
-        << k.activation_ms << "," << k.deblur_ms << "," << k.optimisation_ms << "," << k.calibration_ms << ","
-        << k.marginalisation_ms << "," << k.selection_ms << "," << k.total_ms << "\n";
+        << k.blur_length_px << "," << k.points << "," << k.residuals << "," << k.rms << "," << k.error_px << ","
+        << k.depth_search_ms << "," << k.activation_ms << "," << k.deblur_ms << "," << k.optimisation_ms << ","
+        << k.calibration_ms << "," << k.marginalisation_ms << "," << k.selection_ms << "," << k.total_ms << "\n";
   }
 }
 

@@ -99,6 +99,12 @@ class SequenceFolder : public SequenceReader {
     return result;
   }
 
+  bool skip() override {
+    if (next_ == files_.size()) return false;
+    ++next_;
+    return true;
+  }
+
  private:
   static void requireFolder(const fs::path& folder) {
     if (!fs::is_directory(folder)) {

@@ -24,6 +24,16 @@ Vector6 referenceVelocity(const InitialMap& initial) {
   return motion.velocityOfMiddle();
 }
 
+TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameConstPtr& frame,
+                                     const ExposureTrajectory& trajectory) {
+  auto tracked = std::make_shared<TrackedFrame>();
+  tracked->frame = frame;
+  tracked->status = TrackingStatus::kTracking;
+  tracked->reference = reference.id;
+  tracked->trajectory = trajectory;
+  return tracked;
+}
+
 BackwardTracking::BackwardTracking(const MapperConfig& config, std::unique_ptr<InitialMap> initial,
                                    const MotionState& start, const std::vector<FrameConstPtr>& frames)
     : tracker_(config.tracker),

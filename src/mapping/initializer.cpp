@@ -11,6 +11,7 @@ namespace mba_vo {
 namespace {
 
 constexpr int kImagesPerFrame = 3;         // tracked per added frame while catching up
+constexpr double kLongestGap = 0.5;        // [s] between frames that are used together
 constexpr int kAttemptEvery = 3;           // frames
 constexpr double kMinSpan = 0.3;           // [s] of frames before the first attempt
 constexpr double kMaxReferenceBlur = 8.0;  // [px] for which a sharper frame is waited for ...
@@ -93,8 +94,8 @@ class Initializer::Impl {
     if (buffer_.images().empty() || !frame || frame->pyramid.levels() < 1)
       return true;  // add() reports a missing image
     const Frame& last = *buffer_.images().back().image->frame;
-    return frame->mid_exposure_ns > last.mid_exposure_ns &&
-           sameCamera(frame->pyramid.level(0).camera, last.pyramid.level(0).camera);
+    const double gap = frame->midExposureSeconds() - last.midExposureSeconds();
+    return gap > 0.0 && gap < kLongestGap && sameCamera(frame->pyramid.level(0).camera, last.pyramid.level(0).camera);
   }
 
   bool readyForAttempt() {

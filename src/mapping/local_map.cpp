@@ -28,16 +28,18 @@ double millisecondsSince(Clock::time_point begin) {
 }  // namespace
 
 LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, const Vector6& reference_velocity,
-                   TrajectoryStore& store, CalibrationEstimator& calibration)
+                   const Place& place, TrajectoryStore& store, CalibrationEstimator& calibration)
     : config_(config),
       id_(id),
       store_(store),
       calibration_(calibration),
       window_(config.window, config.deterministic),
-      deblurrer_(makeDeblurrer(config.deblur)) {
+      deblurrer_(makeDeblurrer(config.deblur)),
+      next_keyframe_(place.keyframe) {
   window_.setCorrection(calibration_.correction());
   const FrameConstPtr& frame = initial.reference;
-  addKeyframe(frame, std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid), SE3(), reference_velocity, {});
+  addKeyframe(frame, std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid), place.T_map_keyframe,
+              reference_velocity, place.brightness);
   for (const ReferencePoint& point : initial.points) {
     window_.addPoint(newestKeyframe(), point.pixel.cast<double>(), static_cast<double>(point.inverse_depth));
   }
@@ -219,6 +221,7 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe) {
   auto reference = std::make_shared<Reference>();
   reference->id = {id_, keyframe, revision_++};
   reference->mid_exposure_ns = keyframes_.at(keyframe).frame->mid_exposure_ns;
+  reference->exposure = keyframes_.at(keyframe).frame->exposure;
   reference->T_map_reference = window_.T_map_keyframe(keyframe);
   reference->pyramid = keyframes_.at(keyframe).sharp;
   reference->image_xi = keyframes_.at(keyframe).image_xi;

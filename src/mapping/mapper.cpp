@@ -4,6 +4,7 @@
 
 #include "mba_vo/mapping/backward_tracking.h"
 #include "mba_vo/mapping/kinematic_blur.h"
+#include "mba_vo/mapping/recovery.h"
 
 namespace mba_vo {
 namespace {
@@ -19,17 +20,20 @@ class Mapper::Impl {
       : config_(config),
         initializer_(config.initializer),
         keyframe_policy_(config.keyframe),
-        calibration_(config.start_correction) {}
+        calibration_(config.start_correction),
+        health_(config.health),
+        recovery_(config) {}
 
   MapperOutput process(const TrackedFrameConstPtr& frame) {
-    if (!map_) return initialize(frame->frame);
+    if (!map_) return frame->blind ? MapperOutput() : initialize(frame->frame);
     if (frame->frame->mid_exposure_ns <= last_.mid_exposure_ns) return revise(frame);
     // A tracker that was lost for so long that it gave up its reference reports INITIALIZING.
-    if (frame->status == TrackingStatus::kLost || (lost_since_ns_ && !frame->tracked())) return handleLost(*frame);
-    if (!frame->tracked()) return resend();
+    if (frame->status == TrackingStatus::kLost || (recovery_.isLost() && !frame->tracked())) return handleLost(*frame);
+    if (!frame->tracked()) return frame->blind ? MapperOutput() : resend();
     if (frame->reference.map_id != map_->id()) return stale(*frame);
-    lost_since_ns_.reset();
+    recovery_.find();
     frames_without_reference_ = 0;
+    health_.addFrame(frame->pixel_error);
     if (frame->provisional) {
       store_.addFrame(*frame);
       return {};
@@ -58,7 +62,11 @@ class Mapper::Impl {
     map_.reset();
     reference_.reset();
     initializer_.reset();
-    lost_since_ns_.reset();
+    newest_initializing_ns_.reset();
+    health_.reset();
+    recovery_.reset();
+    old_points_.clear();
+    initial_frames_.clear();
     candidate_.reset();
     backward_.reset();
     first_keyframe_.reset();
@@ -69,23 +77,56 @@ class Mapper::Impl {
   ReferenceConstPtr currentReference() const { return reference_; }
   const CalibrationCorrection& correction() const { return calibration_.correction(); }
   const TrajectoryStore& store() const { return store_; }
-  std::vector<MapPoint> points() const { return map_ ? map_->points() : std::vector<MapPoint>{}; }
+  std::vector<MapPoint> points() const {
+    std::vector<MapPoint> all = map_ ? map_->points() : std::vector<MapPoint>();
+    all.insert(all.begin(), old_points_.begin(), old_points_.end());
+    return all;
+  }
 
  private:
   MapperOutput initialize(const FrameConstPtr& frame) {
     MapperOutput output;
+    // Frames that were tracked late come once more.
+    if (newest_initializing_ns_ && frame->mid_exposure_ns <= *newest_initializing_ns_) return output;
+    newest_initializing_ns_ = frame->mid_exposure_ns;
     std::unique_ptr<InitialMap> initial = initializer_.add(frame);
     if (!initial) {
       output.message = initializer_.reason();
       return output;
     }
     const Vector6 velocity = referenceVelocity(*initial);
-    map_ = std::make_unique<LocalMap>(config_, next_map_id_++, *initial, velocity, store_, calibration_);
+    map_ = std::make_unique<LocalMap>(config_, next_map_id_++, *initial, velocity, LocalMap::Place(), store_,
+                                      calibration_);
     output.message =
         "map " + std::to_string(map_->id()) + " initialised with " + std::to_string(initial->points.size()) + " points";
+    initial_frames_ = initializer_.bufferedFrames();
     reference_ = begin(std::move(initial), velocity);
     initializer_.reset();
     output.reference = reference_;
+    return output;
+  }
+
+  /// The map is wrong. Its last poses are forgotten, all of them if it has only just begun; the tracker is told to
+  /// leave it. What a young map was made of may hold a better one.
+  MapperOutput giveUp(MapperOutput output) {
+    auto last = std::make_shared<Reference>(*reference_);
+    last->withdrawn = "map " + std::to_string(map_->id()) + " was given up: " + health_.doubt();
+    const auto bad = static_cast<KeyframeId>(health_.badInARow());
+    const bool young = health_.isYoung();
+    store_.forget(map_->id(), young || bad > map_->newestKeyframe() ? 0 : map_->newestKeyframe() + 1 - bad);
+    const std::vector<FrameConstPtr> frames = young ? initial_frames_ : std::vector<FrameConstPtr>();
+    const std::int64_t failed_ns = first_keyframe_ns_;
+    reset();
+    output.message = last->withdrawn;
+    output.reference = last;
+    for (const FrameConstPtr& frame : frames) {
+      if (frame->mid_exposure_ns <= failed_ns) continue;
+      const MapperOutput again = initialize(frame);
+      if (!again.reference) continue;
+      output.reference = again.reference;
+      output.message += "; " + again.message;
+      break;
+    }
     return output;
   }
 
@@ -93,13 +134,14 @@ class Mapper::Impl {
   /// wait. Those that came before are tracked backwards when there is time.
   ReferenceConstPtr begin(std::unique_ptr<InitialMap> initial, const Vector6& velocity) {
     const FrameConstPtr frame = initial->reference;
+    first_keyframe_ns_ = frame->mid_exposure_ns;
     const ExposureTrajectory start{SE3(), velocity, frame->exposure.value_or(config_.tracker.unknown_exposure)};
     const std::shared_ptr<Reference> reference = map_->makeReference(map_->newestKeyframe());
     reference->hint = TrackingHint{frame->sequence, frame->mid_exposure_ns, start};
     reference_ = reference;
     integrate(referenceItself(*reference, frame, start));
-    backward_.emplace(config_, std::move(initial), MotionState(start, frame->mid_exposure_ns),
-                      initializer_.bufferedFrames());
+    backward_.emplace(config_, std::move(initial), MotionState(start, frame->mid_exposure_ns), initial_frames_);
+    recovery_.keep(*reference_, *frame, *map_);
     first_keyframe_ = reference_;
     return reference;
   }
@@ -117,16 +159,6 @@ class Mapper::Impl {
     if (tracked.tracked()) store_.addFrame(tracked);
   }
 
-  static TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameConstPtr& frame,
-                                              const ExposureTrajectory& trajectory) {
-    auto tracked = std::make_shared<TrackedFrame>();
-    tracked->frame = frame;
-    tracked->status = TrackingStatus::kTracking;
-    tracked->reference = reference.id;
-    tracked->trajectory = trajectory;
-    return tracked;
-  }
-
   /// A frame that is no newer than the last one was tracked again: its pose is better now, the map has it already.
   MapperOutput revise(const TrackedFrameConstPtr& frame) {
     if (!frame->tracked() || frame->reference.map_id != map_->id()) return {};
@@ -138,8 +170,10 @@ class Mapper::Impl {
   MapperOutput refine(const TrackedFrameConstPtr& frame) {
     MapperOutput output;
     output.keyframe = integrate(frame);
-    if (output.keyframe) output.reference = reference_;
-    return output;
+    if (!output.keyframe) return output;
+    output.reference = reference_;
+    if (!health_.isYoung()) initial_frames_.clear();
+    return health_.isWrong() ? giveUp(std::move(output)) : output;
   }
 
   /// A frame becomes a keyframe once the frame after it has been tracked: the motion on both sides then tells how much
@@ -155,8 +189,13 @@ class Mapper::Impl {
       if (isNeeded(*frame)) candidate_ = frame;
       return std::nullopt;
     }
-    const KeyframeReport report = map_->insertKeyframe(*candidate, motion_.velocityOfMiddle());
-    reference_ = map_->makeReference(map_->newestKeyframe());
+    KeyframeReport report = map_->insertKeyframe(*candidate, motion_.velocityOfMiddle());
+    const std::shared_ptr<Reference> reference = map_->makeReference(map_->newestKeyframe());
+    report.error_px = keyframeError(report.rms, *reference);
+    health_.addKeyframe(report.error_px);
+    reference->doubt = health_.doubt();
+    reference_ = reference;
+    recovery_.keep(*reference_, *candidate->frame, *map_);
     store_.makeKeyframe(*candidate, reference_->id.map_id, reference_->id.keyframe_id);
     updateFirstKeyframe();
     return report;
@@ -177,12 +216,34 @@ class Mapper::Impl {
   }
 
   MapperOutput handleLost(const TrackedFrame& frame) {
-    const std::int64_t now = frame.frame->mid_exposure_ns;
-    if (!lost_since_ns_) lost_since_ns_ = now;
-    MapperOutput output;
-    if (1e-9 * static_cast<double>(now - *lost_since_ns_) < config_.restart_after_lost) return output;
+    const auto found = recovery_.lose(frame, health_.usualFrameError());
+    if (found) return goOnFrom(*found);
+    if (!recovery_.isLostForGood()) return {};
     forgetMap();
+    MapperOutput output;
     output.message = "lost for too long: a new map begins";
+    return output;
+  }
+
+  /// The camera was found by a keyframe. If that has left the window, a new window begins with it.
+  MapperOutput goOnFrom(const Relocalizer::Found& found) {
+    if (!map_->has(found.keyframe)) {
+      old_points_ = points();
+      map_ = recovery_.windowAt(found, *map_, store_, calibration_);
+    }
+    const KeyframeId keyframe = map_->has(found.keyframe) ? found.keyframe : map_->newestKeyframe();
+    const std::shared_ptr<Reference> reference = map_->makeReference(keyframe);
+    reference->hint = found.hint;
+    reference->doubt = health_.doubt();
+    reference_ = reference;
+    candidate_.reset();
+    last_ = found.hint;
+    last_keyframe_ = keyframe;
+    motion_ = {};
+    motion_.add(last_.mid_exposure_ns, reference->T_map_reference * last_.trajectory.T_reference_mid, std::nullopt);
+    MapperOutput output;
+    output.reference = reference_;
+    output.message = "found again by keyframe " + std::to_string(found.keyframe);
     return output;
   }
 
@@ -216,7 +277,12 @@ class Mapper::Impl {
   std::unique_ptr<LocalMap> map_;
   ReferenceConstPtr reference_;
   MapId next_map_id_ = 1;
-  std::optional<std::int64_t> lost_since_ns_;
+  MapHealth health_;
+  Recovery recovery_;
+  std::optional<std::int64_t> newest_initializing_ns_;  // of the frames given to the initialiser
+  std::vector<FrameConstPtr> initial_frames_;           // that the initialiser had when the map began
+  std::int64_t first_keyframe_ns_ = 0;
+  std::vector<MapPoint> old_points_;  // of earlier windows of this map
   KinematicBlur motion_;
   std::optional<BackwardTracking> backward_;
   ReferenceConstPtr first_keyframe_;  // for the frames before it

@@ -22,6 +22,13 @@ void TrajectoryStore::setKeyframePose(MapId map, KeyframeId keyframe, const SE3&
   T_map_keyframe_[{map, keyframe}] = T_map_keyframe;
 }
 
+void TrajectoryStore::forget(MapId map, KeyframeId from_keyframe) {
+  for (auto frame = frames_.begin(); frame != frames_.end();) {
+    const bool forgotten = frame->second.map_id == map && frame->second.keyframe_id >= from_keyframe;
+    frame = forgotten ? frames_.erase(frame) : std::next(frame);
+  }
+}
+
 SE3 TrajectoryStore::T_map_keyframe(MapId map, KeyframeId keyframe) const {
   return T_map_keyframe_.at({map, keyframe});
 }

@@ -65,6 +65,13 @@ OdometryResult Odometry::finish() {
   return result;
 }
 
+void Odometry::reset() {
+  mapper_.finishDeferredWork();
+  tracking_.reset();
+  mapper_.reset();
+  pending_.clear();
+}
+
 OdometryResult Odometry::process(const FrameConstPtr& frame) {
   OdometryResult result;
   if (!tracking_.reference()) takeDueReferences(frames_);

@@ -1,11 +1,19 @@
 #include "mba_vo/odometry/tracking_loop.h"
 
+#include <algorithm>
+#include <cmath>
 #include <deque>
 #include <optional>
+#include <string>
 #include <utility>
 
+#include "mba_vo/image/image_content.h"
+#include "mba_vo/odometry/image_check.h"
+#include "mba_vo/odometry/orientation_tracking.h"
 #include "mba_vo/odometry/recent_frames.h"
 #include "mba_vo/tracking/exposure_estimator.h"
+#include "mba_vo/odometry/tracking_results.h"
+#include "mba_vo/tracking/lost_clock.h"
 #include "mba_vo/tracking/motion_state.h"
 
 namespace mba_vo {
@@ -17,18 +25,13 @@ constexpr double kRevisionNeed = 1.5;        // of a keyframe, 1 = the next shar
 constexpr double kProvisionalNeed = 2.0;     // the same
 constexpr double kHoldingNeed = 4.0;         // the same
 constexpr double kLongestProvisional = 0.5;  // [s]
-constexpr int kFramesUntilKeyframe = 2;      // the mapper looks at one more frame before it makes a keyframe
+constexpr double kUnknownVariance = 1e6;     // of a position that nothing has measured [m^2]
+constexpr double kClearChange = 0.4;         // of the log of the contrast
+constexpr const char* kNoMap = "no map yet";
+constexpr int kFramesUntilKeyframe = 2;  // the mapper looks at one more frame before it makes a keyframe
 
 double secondsBetween(const Frame& from, const Frame& to) {
   return 1e-9 * static_cast<double>(to.mid_exposure_ns - from.mid_exposure_ns);
-}
-
-TrackedFrameConstPtr untracked(const FrameConstPtr& frame, TrackingStatus status, const std::string& reason) {
-  auto tracked = std::make_shared<TrackedFrame>();
-  tracked->frame = frame;
-  tracked->status = status;
-  tracked->reason = reason;
-  return tracked;
 }
 
 /// The same frame with another exposure; the image is shared.
@@ -47,41 +50,61 @@ class TrackingLoop::Impl {
       : tracker_config_(config.tracker),
         tracker_(config.tracker),
         exposures_(config.tracker),
+        orientation_(config.tracker),
         keyframe_policy_(config.keyframe),
         restart_after_lost_(config.mapper.restart_after_lost),
         longest_wait_(config.mapper.initializer.buffer_seconds + kMapperTime) {}
 
   TrackedFrameConstPtr process(const FrameConstPtr& frame) {
-    if (reference_ && lostFor(*frame) >= restart_after_lost_) reference_.reset();  // as the mapper does
-    if (reference_ && waiting_.empty()) return track({frame, true, false});
-    waiting_.push_back({frame, false, false});
+    const std::string problem = image_check_.problemOf(frame);
+    if (!problem.empty()) return blind(frame, problem);
+    if (reference_ && lost_.seconds() >= restart_after_lost_) {  // as the mapper does
+      reference_.reset();
+      no_map_reason_ = "lost for too long, no map yet";
+    }
+    if (reference_ && waiting_.empty()) {
+      auto tracked = track({frame, true, false, {}});
+      if (image_check_.repeated()) degrade(*tracked, "the image repeats the one before");
+      return tracked;
+    }
+    const auto result = untracked(frame, TrackingStatus::kInitializing,
+                                  reference_ ? "earlier frames are still being tracked" : no_map_reason_);
+    if (!reference_) trackOrientation(*result);
+    waiting_.push_back({frame, false, false, T_odom_camera_});
     while (secondsBetween(*waiting_.front().frame, *frame) > longest_wait_) waiting_.pop_front();
-    return untracked(frame, TrackingStatus::kInitializing,
-                     reference_ ? "earlier frames are still being tracked" : "no map yet");
+    return result;
   }
 
   bool take(const ReferenceConstPtr& reference, bool may_go_back) {
+    if (!reference->withdrawn.empty()) return leave(*reference);
+    const bool found = reference_ && lost_.lost() && reference->hint;  // by the mapper, in this map
     if (reference_ && reference_->id.map_id == reference->id.map_id) {
       const SE3 T_new_old = T_newReference_oldReference(*reference);
       motion_.changeReference(T_new_old);
       recent_.changeReference(T_new_old);
       exposures_.changeReference(T_new_old);
       T_odom_reference_ = T_odom_reference_ * T_new_old.inverse();
+      if (found) beginAt(*reference);
     } else if (reference->hint) {
-      motion_ = {reference->hint->trajectory, reference->hint->mid_exposure_ns};
-      T_odom_reference_ = T_odom_camera_ * motion_.last().T_reference_mid.inverse();
-      brightness_ = reference->brightness;
+      beginAt(*reference);
+      T_odom_reference_ = T_odom_cameraAt(*reference->hint) * motion_.last().T_reference_mid.inverse();
+      T_odom_first_.reset();
       recent_.clear();
       exposures_.forgetFrames();
     } else {
       return false;
     }
     reference_ = reference;
-    lost_since_ns_.reset();
+    lost_.find();
     frames_since_request_ = 0;
     hold_since_ns_.reset();
     provisional_since_ns_.reset();
-    const std::vector<RecentFrames::Entry> frames = recent_.takeAfter(reference->mid_exposure_ns);
+    std::vector<RecentFrames::Entry> frames = recent_.takeAfter(found ? motion_.lastNs() : reference->mid_exposure_ns);
+    if (found && !frames.empty()) {
+      frames.front().motion_before = motion_;
+      frames.front().brightness_before = brightness_;
+      frames.front().contrast_before = contrast_;
+    }
     if (may_go_back) trackAgain(frames);
     return true;
   }
@@ -97,16 +120,18 @@ class TrackingLoop::Impl {
   }
 
   std::size_t waitingFrames() const { return waiting_.size(); }
-
   void reset() {
     reference_.reset();
     waiting_.clear();
     recent_.clear();
     exposures_.reset();
-    lost_since_ns_.reset();
+    lost_.find();
+    no_map_reason_ = kNoMap;
+    image_check_.reset();
     frames_since_request_ = 0;
     hold_since_ns_.reset();
     provisional_since_ns_.reset();
+    T_odom_first_.reset();
     T_odom_camera_ = SE3();
     T_odom_reference_ = SE3();
   }
@@ -118,17 +143,63 @@ class TrackingLoop::Impl {
  private:
   struct WaitingFrame {
     FrameConstPtr frame;
-    bool in_time;  // its first result came when the frame did
-    bool mapped;   // the mapper has used it
+    bool in_time;       // its first result came when the frame did
+    bool mapped;        // the mapper has used it
+    SE3 T_odom_camera;  // by its orientation, if it came before there was a map
   };
+
+  /// An image to which nothing can be aligned.
+  TrackedFrameConstPtr blind(const FrameConstPtr& frame, const std::string& problem) {
+    const auto result = untracked(frame, reference_ ? TrackingStatus::kLost : TrackingStatus::kInitializing, problem);
+    result->blind = true;
+    if (reference_) lost_.lose(frame->mid_exposure_ns, true);
+    return result;
+  }
+
+  /// The mapper has given up the map: the next one is waited for.
+  bool leave(const Reference& withdrawn) {
+    if (!reference_ || reference_->id.map_id != withdrawn.id.map_id) return false;
+    reference_.reset();
+    recent_.clear();
+    lost_.find();
+    no_map_reason_ = withdrawn.withdrawn;
+    return true;
+  }
+
+  /// Without a map the odometry still turns with the camera.
+  void trackOrientation(TrackedFrame& result) {
+    if (!T_odom_first_) {
+      orientation_.reset();
+      T_odom_first_ = T_odom_camera_;
+    }
+    result.orientation_only = orientation_.track(result.frame);
+    result.trajectory = orientation_.last();
+    result.covariance.diagonal().head<3>().setConstant(kUnknownVariance);
+    result.covariance.block<3, 3>(3, 3) = orientation_.covariance();
+    T_odom_camera_ = *T_odom_first_ * result.trajectory.T_reference_mid;
+  }
+
+  SE3 T_odom_cameraAt(const TrackingHint& hint) const {
+    const auto same = [&](const WaitingFrame& w) { return w.frame->sequence == hint.frame_sequence; };
+    const auto found = std::find_if(waiting_.begin(), waiting_.end(), same);
+    return found != waiting_.end() ? found->T_odom_camera : T_odom_camera_;
+  }
+
+  /// The hint tells where to begin.
+  void beginAt(const Reference& reference) {
+    motion_ = {reference.hint->trajectory, reference.hint->mid_exposure_ns};
+    brightness_ = reference.brightness;
+    contrast_ = contrast(*reference.pyramid);
+  }
 
   /// Goes back to the first of the frames, which are seen better by the reference that has just come.
   void trackAgain(const std::vector<RecentFrames::Entry>& frames) {
     if (frames.empty()) return;
     motion_ = frames.front().motion_before;
     brightness_ = frames.front().brightness_before;
+    contrast_ = frames.front().contrast_before;
     std::vector<WaitingFrame> again;
-    for (const RecentFrames::Entry& entry : frames) again.push_back({entry.frame, entry.in_time, entry.mapped});
+    for (const RecentFrames::Entry& entry : frames) again.push_back({entry.frame, entry.in_time, entry.mapped, {}});
     waiting_.insert(waiting_.begin(), again.begin(), again.end());
   }
 
@@ -142,21 +213,24 @@ class TrackingLoop::Impl {
     return 1e-9 * static_cast<double>(newest_ns - *hold_since_ns_) < kLongestHold;
   }
 
-  TrackedFrameConstPtr track(const WaitingFrame& next) {
+  std::shared_ptr<TrackedFrame> track(const WaitingFrame& next) {
     const FrameConstPtr frame = withExposure(next.frame, exposures_.exposureFor(next.frame->exposure));
     TrackingGuess guess(motion_.priorAt(frame->mid_exposure_ns),
                         frame->exposure.value_or(tracker_config_.unknown_exposure));
-    guess.brightness = brightness_;
+    const double contrast_now = contrast(frame->pyramid);
+    guess.brightness = expectedBrightness(contrast_now);
     auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
-    RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, motion_, brightness_};
+    RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, motion_, brightness_, contrast_};
     tracked->exposure_estimate = exposures_.estimate(next.frame->exposure.has_value());
     exposures_.add(reference_, tracked, next.frame->exposure);
+    if (lost_.lost()) judgeFirstAfterLoss(tracker_config_, *tracked);
     if (!tracked->tracked()) {
-      if (!lost_since_ns_) lost_since_ns_ = frame->mid_exposure_ns;
+      lost_.lose(frame->mid_exposure_ns, false);
     } else {
-      lost_since_ns_.reset();
+      lost_.find();
       motion_.update(*tracked);
       brightness_ = tracked->brightness;
+      contrast_ = contrast_now;
       T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
       need_ = keyframe_policy_.need(*reference_, tracked->measures, tracked->brightness);
       tracked->keyframe_requested = keyframe_policy_.takes(*reference_, tracked->measures, tracked->brightness);
@@ -166,6 +240,15 @@ class TrackingLoop::Impl {
     }
     recent_.add(entry, !tracked->tracked() || need_ >= kRevisionNeed);
     return tracked;
+  }
+
+  /// The last frame's, unless the image has clearly got brighter or darker: then a change of exposure has to be
+  /// followed.
+  AffineBrightness expectedBrightness(double contrast_now) const {
+    if (!(contrast_ > 0.0) || !(contrast_now > 0.0)) return brightness_;
+    const double change = std::log(contrast_now / contrast_);
+    if (std::abs(change) < kClearChange) return brightness_;
+    return {brightness_.a + change, std::exp(change) * brightness_.b};
   }
 
   /// Once the view of the reference is being left and the mapper has been asked for a keyframe, frames are provisional
@@ -178,10 +261,6 @@ class TrackingLoop::Impl {
            1e-9 * static_cast<double>(frame.mid_exposure_ns - *provisional_since_ns_) < kLongestProvisional;
   }
 
-  double lostFor(const Frame& frame) const {  // [s]
-    return lost_since_ns_ ? 1e-9 * static_cast<double>(frame.mid_exposure_ns - *lost_since_ns_) : 0.0;
-  }
-
   /// Through the poses that came with the new snapshot: map coordinates of different moments do not mix.
   SE3 T_newReference_oldReference(const Reference& next) const {
     const auto found = next.T_map_keyframe.find(reference_->id.keyframe_id);
@@ -192,6 +271,7 @@ class TrackingLoop::Impl {
   TrackerConfig tracker_config_;
   Tracker tracker_;
   ExposureEstimator exposures_;
+  OrientationTracking orientation_;
   KeyframePolicy keyframe_policy_;
   double restart_after_lost_;  // [s]
   double longest_wait_;        // [s]
@@ -199,14 +279,18 @@ class TrackingLoop::Impl {
   std::deque<WaitingFrame> waiting_;  // by time
   RecentFrames recent_;               // before those that wait
   MotionState motion_;                // relative to reference_
-  std::optional<std::int64_t> lost_since_ns_;
+  ImageCheck image_check_;
+  LostClock lost_;
+  std::string no_map_reason_ = kNoMap;
   double need_ = 0.0;             // of a keyframe
   int frames_since_request_ = 0;  // that a keyframe was asked for, counting the asking one
   std::optional<std::int64_t> hold_since_ns_;
   std::optional<std::int64_t> provisional_since_ns_;
-  AffineBrightness brightness_;
+  AffineBrightness brightness_;  // of the last tracked frame
+  double contrast_ = 0.0;        // of its image [grey levels]
   SE3 T_odom_camera_;
   SE3 T_odom_reference_;
+  std::optional<SE3> T_odom_first_;  // of the first frame without a map
 };
 
 TrackingLoop::TrackingLoop(const OdometryConfig& config) : impl_(std::make_unique<Impl>(config)) {}

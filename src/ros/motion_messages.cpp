@@ -35,6 +35,7 @@ Matrix6 poseCovariance(const Matrix6& camera_increment, const SE3& T_base_camera
 }
 
 Matrix6 velocityCovariance(const TrackedFrame& tracked, double seconds_since_previous) {
+  if (tracked.orientation_only) return kUnknownVariance * Matrix6::Identity();
   const double exposure = tracked.trajectory.exposure;
   if (!tracked.xi_prior_limited && exposure > 0.0) {
     return tracked.covariance.bottomRightCorner<6, 6>() / (exposure * exposure);

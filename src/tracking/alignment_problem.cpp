@@ -201,6 +201,10 @@ AlignmentProblem::Equations AlignmentProblem::linearize(const AlignmentState& st
   equations.patch_gradients = model.takePatchGradients();
   addPriors(state, equations);
   if (!options_.estimate_xi) equations.fix(6, 6);
+  if (options_.rotation_only) {
+    equations.fix(0, 3);
+    equations.fix(6, 3);
+  }
   equations.statistics = sums.statistics();
   return equations;
 }

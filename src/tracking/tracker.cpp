@@ -1,11 +1,10 @@
 #include "mba_vo/tracking/tracker.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 
+#include "mba_vo/image/image_content.h"
 #include "mba_vo/solver/levenberg_marquardt.h"
 #include "mba_vo/tracking/frame_measures.h"
 #include "mba_vo/tracking/point_subset.h"
@@ -22,8 +21,6 @@ constexpr double kCommonPoseError = 0.015;    // [px] std. deviation of what all
 constexpr double kCommonXiError = 0.1;        // interpolation does; found with bench/tracking_study
 constexpr double kRelativeXiError = 0.006;    // of the blur: the motion of a long path is not quite what is modelled
 constexpr double kLargestAcceleration = 3.0;  // standard deviations of the motion prior
-constexpr double kImplausibleBlur = 0.25;     // of the image's width
-constexpr double kImplausibleLogGain = 1.6;   // contrast five times higher or lower than the reference's
 constexpr double kShortestExposure = 1e-4;    // [s] a rolling shutter tells the velocity even if nothing is blurred
 
 /// Coarse levels see less detail per patch, and 9x9 pixels there span too much depth.
@@ -35,12 +32,6 @@ Vector6 seededXi(const Vector6& xi, double fx) {
   Vector6 seed = xi;
   seed(4) += kLeastBlurToSeed / fx;
   return seed;
-}
-
-std::string format(const char* text, double value) {
-  std::array<char, 128> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), text, value);
-  return buffer.data();
 }
 
 double medianInverseDepth(const Reference& reference) {
@@ -126,6 +117,7 @@ Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentSt
   options.max_samples = config_.max_samples;
   options.estimate_xi = job.exposure > 0.0;
   options.exposure = job.exposure;
+  options.rotation_only = job.reference.at_infinity;
   options.with_covariance = level == 0;
   AlignmentProblem problem(job.reference, job.points[static_cast<std::size_t>(level)], job.frame, level, pattern,
                            options, priorFor(job, initial), initial);
@@ -222,25 +214,18 @@ Matrix12 Tracker::covarianceOf(const Job& job, const LevelResult& result, double
   return covariance;
 }
 
-void Tracker::judge(double log_gain, TrackedFrame& tracked) const {
-  tracked.status = TrackingStatus::kTracking;
-  if (tracked.points_used < config_.min_patches) {
-    tracked.status = TrackingStatus::kLost;
-    tracked.reason = format("only %.0f patches of the reference are visible", tracked.points_used);
-  } else if (tracked.inlier_fraction < config_.min_inlier_fraction) {
-    tracked.status = TrackingStatus::kLost;
-    tracked.reason = format("only %.2f of the pixels agree with the reference", tracked.inlier_fraction);
-  } else if (std::abs(log_gain) > kImplausibleLogGain) {
-    // An image without texture agrees with any reference whose contrast is taken away.
-    tracked.status = TrackingStatus::kLost;
-    tracked.reason = format("an implausible change of contrast by %.3g was found", std::exp(log_gain));
-  } else if (tracked.measures.blur_length_px > kImplausibleBlur * tracked.frame->pyramid.level(0).camera.width) {
-    tracked.status = TrackingStatus::kLost;
-    tracked.reason = format("an implausible blur of %.0f px was found", tracked.measures.blur_length_px);
-  } else if (tracked.inlier_fraction < config_.degraded_inlier_fraction) {
-    tracked.status = TrackingStatus::kDegraded;
-    tracked.reason = format("only %.2f of the pixels agree with the reference", tracked.inlier_fraction);
+double Tracker::pixelError(const Job& job, const LevelResult& result) {
+  const SE3 T_frame_reference = result.minimum.state.T_reference_mid.inverse();
+  const ImageLevel& level = job.frame.pyramid.level(0);
+  std::vector<Eigen::Vector2d> patches;
+  for (const int index : job.points.front()) {
+    const ReferencePoint& p = job.reference.points[static_cast<std::size_t>(index)];
+    const Eigen::Vector3d in_frame =
+        T_frame_reference * (level.camera.unproject(p.pixel.cast<double>()) / static_cast<double>(p.inverse_depth));
+    if (in_frame.z() > 0.0) patches.push_back(level.camera.project(in_frame));
   }
+  const double gradient = rmsGradient(level, patches);
+  return gradient > 0.0 ? result.minimum.equations.statistics.weighted_rms / gradient : 0.0;
 }
 
 TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& frame, const TrackingGuess& guess) const {
@@ -273,7 +258,8 @@ TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& fra
   tracked.measures = measureFrame(reference, tracked.trajectory);
   tracked.xi_prior_limited = tracked.measures.blur_length_px < kObservableBlur;
   tracked.covariance = covarianceOf(job, result, tracked.measures.blur_length_px);
-  judge(state.a, tracked);
+  tracked.pixel_error = pixelError(job, result);
+  judge(reference, state.a, tracked);
   tracked.tracking_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return tracked;
 }

@@ -105,6 +105,20 @@ TEST(OfflineRun, SkipsImagesAtTheBeginningAndReportsProgress) {
   EXPECT_THAT(progress, testing::ElementsAre(1, 2, 3, 4, 5));
 }
 
+TEST(OfflineRun, EndsAfterSoManyImages) {
+  FakeReader reader;
+  for (int i = 0; i < 7; ++i) {
+    reader.add(1.0 + 0.03 * i, 0.02);
+  }
+  OfflineOptions options;
+  options.skip = 2;
+  options.frames = 3;
+  const OfflineResult result = runQuietly(reader, options);
+  ASSERT_EQ(result.log.frames().size(), 3U);
+  EXPECT_EQ(result.log.frames().front().sequence, 2U);
+  EXPECT_EQ(result.log.frames().back().sequence, 4U);
+}
+
 TEST(OfflineRun, ImageOfAnotherSizeIsNamed) {
   FakeReader reader;
   reader.add(1.0, 0.02);

@@ -71,13 +71,15 @@ TEST(RunWriter, FramesCsvHasARowPerFrameAndEmptyFieldsForTheUnknown) {
   good.blur_length_px = 12.345;
   good.points_used = 400;
   good.residual_rms = 3.25;
+  good.pixel_error = 0.5;
   good.tracking_ms = 6.5;
   std::ostringstream text;
   writeFrames({lost, good}, text);
-  EXPECT_EQ(text.str(),
-            "sequence,time,stamp,exposure,status,reason,map,blur_px,points,residual,tracking_ms,mapping_ms,message\n"
-            "7,1.500000000,1.490000000,,LOST,\"a \"\"reason\"\", with comma\",,,,,0.000,0.000,\"\"\n"
-            "7,1.500000000,1.490000000,0.020000,TRACKING,\"\",2,12.35,400,3.250,6.500,0.000,\"\"\n");
+  EXPECT_EQ(
+      text.str(),
+      "sequence,time,stamp,exposure,status,reason,map,blur_px,points,residual,error_px,tracking_ms,mapping_ms,message\n"
+      "7,1.500000000,1.490000000,,LOST,\"a \"\"reason\"\", with comma\",,,,,,0.000,0.000,\"\"\n"
+      "7,1.500000000,1.490000000,0.020000,TRACKING,\"\",2,12.35,400,3.250,0.500,6.500,0.000,\"\"\n");
 }
 
 TEST(RunWriter, KeyframesCsvHasARowPerKeyframe) {

@@ -220,6 +220,14 @@ TEST(Initializer, InvalidPixelsCarryNoPoints) {
   expectTruth(Scene(), 0.4, *map, 0.02);
 }
 
+TEST(Initializer, FramesOnBothSidesOfALongGapAreNotUsedTogether) {
+  Initializer initializer((InitializerConfig()));
+  for (int i = 0; i < 4; ++i) initializer.add(renderFrame(Scene(), i, 0.4));
+  initializer.add(renderFrame(Scene(), 40, 0.4));
+  ASSERT_EQ(initializer.bufferedFrames().size(), 1U);
+  EXPECT_EQ(initializer.bufferedFrames().front()->sequence, 40U);
+}
+
 TEST(Initializer, TimeGoingBackwardsStartsAnew) {
   Initializer initializer((InitializerConfig()));
   for (int i = 10; i < 14; ++i) initializer.add(renderFrame(Scene(), i, 0.4));

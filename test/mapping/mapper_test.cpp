@@ -3,6 +3,7 @@
 #include <set>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include "support/rendered_sequence.h"
 
@@ -142,13 +143,26 @@ TEST(Mapper, ATrackedFrameEntersTheTrajectoryAndALostOneDoesNot) {
   EXPECT_LT((trajectory.back().trajectory.T_reference_mid.inverse() * expected).log().norm(), 1e-9);
 }
 
+/// The same time and another place: an image that no keyframe looks like.
+FrameConstPtr elsewhere(const FrameConstPtr& frame) {
+  auto copy = std::make_shared<Frame>(*frame);
+  cv::Mat1f mirrored;
+  cv::flip(frame->pyramid.level(0).intensity, mirrored, -1);
+  copy->pyramid = ImagePyramid(mirrored, frame->pyramid.level(0).camera, frame->pyramid.levels());
+  return copy;
+}
+
 /// Reports frames as lost, or as waiting for a map once the tracker has given up, every 40 ms for so long.
-std::string loseFor(Mapper& mapper, double seconds, double tracker_gives_up_after) {
+std::string loseFor(Mapper& mapper, double seconds, double tracker_gives_up_after, bool blind = false) {
   std::string messages;
+  static const FrameConstPtr unknown = elsewhere(frames().back());
   for (double t = 0.0; t <= seconds; t += 0.04) {
-    const FrameConstPtr frame = shifted(frames().back(), 10.0 + t);
+    const FrameConstPtr frame = shifted(unknown, 10.0 + t);
     const bool given_up = t >= tracker_gives_up_after;
-    messages += mapper.process(report(frame, given_up ? TrackingStatus::kInitializing : TrackingStatus::kLost)).message;
+    const auto status = given_up ? TrackingStatus::kInitializing : TrackingStatus::kLost;
+    auto tracked = std::make_shared<TrackedFrame>(*report(frame, status));
+    tracked->blind = blind;
+    messages += mapper.process(tracked).message;
   }
   return messages;
 }
@@ -179,6 +193,30 @@ TEST(Mapper, AProvisionalFrameIsOnlyForTheTrajectory) {
   // Tracked again they come once more, for the map too.
   EXPECT_TRUE(turnsIntoKeyframe(mapper, initial, false, 3));
   EXPECT_EQ(mapper.trajectory().size(), before + 3);
+}
+
+TEST(Mapper, AMapThatContradictsItsImagesIsGivenUpAndItsPosesForgotten) {
+  MapperConfig demanding = config();
+  demanding.health.wrong_error = 0.1;  // [px] no map is as good as that
+  Mapper mapper(demanding);
+  const Initialised initial = initialise(mapper);
+  ASSERT_NE(initial.output.reference, nullptr);
+  const MapId map = initial.output.reference->id.map_id;
+  EXPECT_FALSE(mapper.trajectory().empty());
+  MapperOutput output;
+  for (int i = 0; i < 3 && !output.keyframe; ++i) {
+    Vector6 turn = Vector6::Zero();
+    turn(4) = 0.1 * (i + 1);
+    const FrameConstPtr& next = frames().at(static_cast<std::size_t>(initial.frames_used + i));
+    output = mapper.process(report(next, TrackingStatus::kTracking, initial.output.reference->id, SE3::exp(turn)));
+  }
+  ASSERT_TRUE(output.keyframe);
+  EXPECT_NE(output.message.find("map 1 was given up"), std::string::npos) << output.message;
+  for (const TrajectoryEntry& entry : mapper.trajectory()) EXPECT_NE(entry.map_id, map);
+  // The tracker is told, by the next map if the frames of the beginning make one.
+  ASSERT_NE(output.reference, nullptr);
+  EXPECT_TRUE(!output.reference->withdrawn.empty() || output.reference->id.map_id > map);
+  EXPECT_TRUE(output.reference->withdrawn.empty() || output.reference->id.map_id == map);
 }
 
 TEST(Mapper, AFrameThatComesAgainGetsItsNewPoseOnly) {
@@ -231,6 +269,38 @@ TEST(Mapper, GivesUpItsMapTogetherWithTheTracker) {
   ASSERT_NE(initialise(mapper).output.reference, nullptr);
   loseFor(mapper, 1.3, config().restart_after_lost);
   EXPECT_EQ(mapper.currentReference(), nullptr);
+}
+
+TEST(Mapper, ACoveredLensCostsNoMap) {
+  Mapper mapper(config());
+  ASSERT_NE(initialise(mapper).output.reference, nullptr);
+  loseFor(mapper, 3.0, 1e9, true);
+  EXPECT_NE(mapper.currentReference(), nullptr);
+}
+
+TEST(Mapper, FindsALostCameraByItsKeyframes) {
+  Mapper mapper(config());
+  const Initialised initial = initialise(mapper);
+  ASSERT_NE(initial.output.reference, nullptr);
+  mapper.finishDeferredWork();
+  const std::uint64_t first = initial.output.reference->hint->frame_sequence - frames()[0]->sequence;
+  const auto trajectory = mapper.trajectory();
+  ReferenceConstPtr found;
+  for (std::size_t i = 0; i < 10 && !found; ++i) {
+    const FrameConstPtr frame =
+        shifted(frames().at(static_cast<std::size_t>(first) - i - 1), 10.0 + 0.08 * static_cast<double>(i));
+    found = mapper.process(report(frame, TrackingStatus::kLost)).reference;
+    if (!found) continue;
+    ASSERT_TRUE(found->hint);
+    EXPECT_EQ(found->hint->frame_sequence, frame->sequence);
+    EXPECT_EQ(found->id.map_id, initial.output.reference->id.map_id);
+    const SE3 T_map_frame = found->T_map_reference * found->hint->trajectory.T_reference_mid;
+    for (const TrajectoryEntry& entry : trajectory) {  // where it was tracked backwards
+      if (entry.frame_sequence + 1000 != frame->sequence) continue;
+      EXPECT_LT((T_map_frame.inverse() * entry.trajectory.T_reference_mid).log().norm(), 0.01);
+    }
+  }
+  EXPECT_NE(found, nullptr);
 }
 
 TEST(Mapper, ATrackedFrameEndsBeingLost) {

@@ -115,6 +115,21 @@ TEST(TrajectoryStore, KeepsMapsApart) {
   EXPECT_LT(distance(entries[1].trajectory.T_reference_mid, in_second), 1e-12);
 }
 
+TEST(TrajectoryStore, ForgetsTheLastPosesOfAMap) {
+  TrajectoryStore store;
+  for (KeyframeId id = 0; id < 3; ++id) store.setKeyframePose(1, id, SE3());
+  store.setKeyframePose(2, 2, SE3());
+  store.addFrame(trackedAt(1, 100, 1, 0, SE3()));
+  store.addFrame(trackedAt(2, 200, 1, 1, SE3()));
+  store.addFrame(trackedAt(3, 300, 1, 2, SE3()));
+  store.addFrame(trackedAt(4, 400, 2, 2, SE3()));
+  store.forget(1, 1);
+  const auto entries = store.entries();
+  ASSERT_EQ(entries.size(), 2U);
+  EXPECT_EQ(entries[0].frame_sequence, 1U);
+  EXPECT_EQ(entries[1].frame_sequence, 4U) << "another map";
+}
+
 TEST(TrajectoryStore, DoesNotInventPosesOfUnknownKeyframes) {
   TrajectoryStore store;
   EXPECT_TRUE(store.entries().empty());

@@ -1,7 +1,10 @@
 #include "mba_vo/odometry/tracking_loop.h"
 
+#include <opencv2/imgproc.hpp>
+
 #include <gtest/gtest.h>
 
+#include "mba_vo/odometry/tracking_results.h"
 #include "support/rendered_room.h"
 
 namespace mba_vo {
@@ -59,9 +62,20 @@ double distance(const SE3& a, const SE3& b) { return (a.inverse() * b).log().nor
 /// 5 mm and 5 mrad: about a pixel.
 constexpr double kClose = 5e-3;
 
-FrameConstPtr blank(double seconds_later) {
-  return test::makeFrame(cv::Mat1f(240, 376, 90.0F),
-                         view(kCount - 1).mid_exposure_ns + std::llround(1e9 * seconds_later), 0.02, 500);
+FrameConstPtr later(const cv::Mat1f& image, double seconds_later) {
+  return test::makeFrame(image, view(kCount - 1).mid_exposure_ns + std::llround(1e9 * seconds_later), 0.02, 500);
+}
+
+/// An image that shows nothing.
+FrameConstPtr blank(double seconds_later) { return later(cv::Mat1f(240, 376, 90.0F), seconds_later); }
+
+/// An image of another place; no two are the same.
+FrameConstPtr elsewhere(double seconds_later) {
+  static int seed = 0;
+  cv::Mat1f image(240, 376);
+  cv::RNG(static_cast<std::uint64_t>(++seed)).fill(image, cv::RNG::NORMAL, 100.0, 60.0);
+  cv::blur(image, image, {9, 9});
+  return later(test::scaled(image, 4.0, -300.0), seconds_later);
 }
 
 /// Asks for keyframes early, so that a few frames are enough to leave a reference's view.
@@ -104,6 +118,27 @@ TEST(TrackingLoop, FramesBeforeThereIsAMapAreInitializing) {
   EXPECT_EQ(loop.reference(), nullptr);
   EXPECT_EQ(distance(loop.T_odom_camera(), SE3()), 0.0);
   EXPECT_EQ(distance(loop.T_map_odom(), SE3()), 0.0);
+}
+
+TEST(TrackingLoop, WithoutAMapTheOdometryTurnsWithTheCamera) {
+  TrackingLoop loop{OdometryConfig()};
+  std::vector<SE3> odometry;
+  for (int i = 0; i <= 5; ++i) {
+    const TrackedFrameConstPtr tracked = loop.process(frame(i));
+    EXPECT_EQ(tracked->status, TrackingStatus::kInitializing);
+    EXPECT_TRUE(tracked->orientation_only);
+    EXPECT_GT(tracked->covariance(0, 0), 1e5) << "there is no position";
+    odometry.push_back(loop.T_odom_camera());
+    EXPECT_EQ(odometry.back().translation().norm(), 0.0);
+    // The camera moves too, which is taken for rotation where it looks like one.
+    EXPECT_LT(odometry.back().rotation().angularDistance(truth(0, i).rotation()), 0.02) << "frame " << i;
+  }
+  // With a map it goes on from where it was at the frame that the hint is about.
+  ASSERT_TRUE(loop.take(makeReference(1, 0, 0, someCorrection(), 2)));
+  const TrackedFrameConstPtr late = loop.trackWaiting();
+  ASSERT_TRUE(late && late->tracked());
+  EXPECT_FALSE(late->orientation_only);
+  EXPECT_LT(distance(loop.T_odom_camera(), odometry.at(2) * truth(2, 3)), kClose);
 }
 
 TEST(TrackingLoop, AReferenceWithoutAHintIsOfNoUseToBeginWith) {
@@ -197,20 +232,132 @@ TEST(TrackingLoop, BeginsANewMapAfterBeingLostAndOdometryGoesOnFromThere) {
   for (int i = 1; i <= 3; ++i) loop.process(frame(i));
   const SE3 last = loop.T_odom_camera();
   for (double t = 0.0; t < config.mapper.restart_after_lost - 0.01; t += 0.2) {
-    const TrackedFrameConstPtr tracked = loop.process(blank(t));
+    const TrackedFrameConstPtr tracked = loop.process(elsewhere(t));
     EXPECT_EQ(tracked->status, TrackingStatus::kLost) << t;
     EXPECT_FALSE(tracked->reason.empty());
   }
-  EXPECT_EQ(loop.process(blank(config.mapper.restart_after_lost))->status, TrackingStatus::kInitializing);
+  EXPECT_EQ(loop.process(elsewhere(config.mapper.restart_after_lost))->status, TrackingStatus::kLost);
+  EXPECT_EQ(loop.process(elsewhere(config.mapper.restart_after_lost + 0.2))->status, TrackingStatus::kInitializing);
   EXPECT_EQ(loop.reference(), nullptr);
   EXPECT_LT(distance(loop.T_odom_camera(), last), 1e-12);
   adopt(loop, makeReference(2, 0, 6, someCorrection(), 6));
   EXPECT_LT(distance(loop.T_odom_camera(), last), 1e-12);
   const TrackedFrameConstPtr tracked = loop.process(frame(7));
-  EXPECT_EQ(tracked->status, TrackingStatus::kTracking) << tracked->reason;
+  EXPECT_TRUE(tracked->tracked()) << tracked->reason;
   EXPECT_EQ(tracked->reference.map_id, 2U);
   EXPECT_LT(distance(last.inverse() * loop.T_odom_camera(), truth(6, 7)), kClose);
   expectConsistent(loop, *tracked);
+}
+
+TEST(TrackingLoop, ACoveredLensCostsNoMap) {
+  TrackingLoop loop{OdometryConfig()};
+  const ReferenceConstPtr reference = makeReference(1, 0, 0, SE3(), 0);
+  adopt(loop, reference);
+  loop.process(frame(1));
+  for (double t = 0.0; t < 3.0; t += 0.2) {
+    const TrackedFrameConstPtr tracked = loop.process(blank(t));
+    EXPECT_EQ(tracked->status, TrackingStatus::kLost);
+    EXPECT_TRUE(tracked->blind);
+    EXPECT_NE(tracked->reason.find("covered"), std::string::npos) << tracked->reason;
+  }
+  EXPECT_EQ(loop.reference(), reference);
+}
+
+TEST(TrackingLoop, AFrozenImageIsNoMeasurementForLong) {
+  TrackingLoop loop{OdometryConfig()};
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  EXPECT_TRUE(loop.process(frame(1))->tracked());
+  const cv::Mat1f frozen = test::toFloat(view(2).blurred);
+  const std::int64_t since = view(2).mid_exposure_ns;
+  for (int i = 0; i < 10; ++i) {
+    const TrackedFrameConstPtr tracked = loop.process(test::makeFrame(frozen, since + i * 33000000LL, 0.02, 300));
+    EXPECT_EQ(tracked->tracked(), i < 5) << "a recorder may write an image twice; " << i;
+    EXPECT_EQ(tracked->blind, i >= 5);
+    if (i > 0 && i < 5) {
+      EXPECT_EQ(tracked->status, TrackingStatus::kDegraded) << "the pose is that of the first";
+    }
+  }
+}
+
+TEST(TrackingLoop, GoesOnFromWhereTheMapperFoundIt) {
+  TrackingLoop loop{OdometryConfig()};
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  loop.process(frame(1));
+  const SE3 T_odom_first = loop.T_odom_camera() * truth(1, 0);
+  for (int i = 2; i < 6; ++i) {  // somewhere else in the meantime
+    EXPECT_EQ(
+        loop.process(test::makeFrame(elsewhere(0.0)->pyramid.level(0).intensity, view(i).mid_exposure_ns, 0.02, 400))
+            ->status,
+        TrackingStatus::kLost);
+  }
+  // The mapper has seen frame 10 with keyframe 3; frame 11 came in the meantime.
+  const TrackedFrameConstPtr lost = loop.process(frame(11));
+  auto reference = makeReference(1, 3, 9, truth(0, 9), 10);
+  reference->T_map_keyframe[0] = SE3();
+  const auto again = adopt(loop, reference);
+  const TrackedFrameConstPtr tracked = loop.process(frame(12));
+  EXPECT_EQ(tracked->status, TrackingStatus::kTracking) << tracked->reason;
+  EXPECT_LT(distance(tracked->trajectory.T_reference_mid, truth(9, 12)), kClose);
+  if (!lost->tracked()) {
+    EXPECT_EQ(again.size(), 1U) << "the lost frame after the hint is tracked again";
+  }
+  // The way there was not seen, but it is known now: odometry is where the map says.
+  EXPECT_LT(distance(loop.T_odom_camera(), T_odom_first * truth(0, 12)), 2 * kClose);
+}
+
+TEST(TrackingLoop, AfterALossAPoorPoseIsNone) {
+  TrackedFrame poor;
+  poor.status = TrackingStatus::kDegraded;
+  poor.inlier_fraction = 0.7;
+  judgeFirstAfterLoss(TrackerConfig(), poor);
+  EXPECT_EQ(poor.status, TrackingStatus::kLost);
+  TrackedFrame good;
+  good.status = TrackingStatus::kTracking;
+  good.inlier_fraction = 0.9;
+  judgeFirstAfterLoss(TrackerConfig(), good);
+  EXPECT_EQ(good.status, TrackingStatus::kDegraded);
+  EXPECT_FALSE(good.reason.empty());
+}
+
+TEST(TrackingLoop, LeavesAMapThatWasGivenUp) {
+  TrackingLoop loop{OdometryConfig()};
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  loop.process(frame(1));
+  auto other = std::make_shared<Reference>(*makeReference(7, 0, 0, SE3()));
+  other->withdrawn = "another one";
+  EXPECT_FALSE(loop.take(other));
+  EXPECT_NE(loop.reference(), nullptr);
+  auto withdrawn = std::make_shared<Reference>(*makeReference(1, 0, 0, SE3()));
+  withdrawn->withdrawn = "map 1 was given up";
+  EXPECT_TRUE(loop.take(withdrawn));
+  EXPECT_EQ(loop.reference(), nullptr);
+  const TrackedFrameConstPtr tracked = loop.process(frame(2));
+  EXPECT_EQ(tracked->status, TrackingStatus::kInitializing);
+  EXPECT_EQ(tracked->reason, "map 1 was given up");
+}
+
+TEST(TrackingLoop, PosesOfADoubtfulMapAreDegraded) {
+  TrackingLoop loop{OdometryConfig()};
+  auto reference = std::make_shared<Reference>(*makeReference(1, 0, 0, SE3(), 0));
+  reference->doubt = "the map contradicts itself";
+  adopt(loop, reference);
+  const TrackedFrameConstPtr tracked = loop.process(frame(1));
+  EXPECT_EQ(tracked->status, TrackingStatus::kDegraded);
+  EXPECT_EQ(tracked->reason, "the map contradicts itself");
+}
+
+TEST(TrackingLoop, FollowsAChangeOfBrightnessByEight) {
+  TrackingLoop loop{OdometryConfig()};
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  loop.process(frame(1));
+  for (int i = 2; i < 6; ++i) {
+    const double gain = i < 4 ? 0.125 : 1.0;
+    const TrackedFrameConstPtr tracked = loop.process(test::makeFrame(
+        test::scaled(test::toFloat(view(i).blurred), gain), view(i).mid_exposure_ns, view(i).exposure, view(i).id));
+    ASSERT_TRUE(tracked->tracked()) << i << ": " << tracked->reason;
+    EXPECT_NEAR(tracked->brightness.a, std::log(gain), 0.1);
+    EXPECT_LT(distance(tracked->trajectory.T_reference_mid, truth(0, i)), 2 * kClose) << i;
+  }
 }
 
 TEST(TrackingLoop, FindsItselfAgainIfItIsNotLostForLong) {
@@ -220,8 +367,9 @@ TEST(TrackingLoop, FindsItselfAgainIfItIsNotLostForLong) {
   EXPECT_EQ(loop.process(test::makeFrame(cv::Mat1f(240, 376, 90.0F), view(5).mid_exposure_ns, 0.02))->status,
             TrackingStatus::kLost);
   const TrackedFrameConstPtr tracked = loop.process(frame(6));
-  EXPECT_EQ(tracked->status, TrackingStatus::kTracking) << tracked->reason;
+  EXPECT_EQ(tracked->status, TrackingStatus::kDegraded) << "by prediction alone, so far";
   EXPECT_LT(distance(tracked->trajectory.T_reference_mid, truth(3, 6)), kClose);
+  EXPECT_EQ(loop.process(frame(7))->status, TrackingStatus::kTracking);
 }
 
 TEST(TrackingLoop, ResetForgetsReferenceAndWaitingFrames) {
@@ -266,7 +414,7 @@ TEST(TrackingLoop, WaitingFramesHoldForTheKeyframeTheyAskedFor) {
     while (loop.trackWaiting()) {
     }
   }
-  const TrackedFrameConstPtr at_last = loop.process(blank(0.35));
+  const TrackedFrameConstPtr at_last = loop.process(elsewhere(0.35));
   EXPECT_EQ(at_last->status, loop.waitingFrames() > 0 ? TrackingStatus::kInitializing : TrackingStatus::kLost);
   while (loop.trackWaiting()) {
   }
@@ -320,10 +468,11 @@ TEST(TrackingLoop, FramesAreNotProvisionalForever) {
   bool was_provisional = false;
   for (int i = 1; i < kCount; ++i) was_provisional |= loop.process(frame(i))->provisional;
   EXPECT_TRUE(was_provisional);
-  // The same view, much later: no keyframe came.
+  // The same view, though not the same noise, much later: no keyframe came.
   const SimulatedFrame& last = view(kCount - 1);
-  const TrackedFrameConstPtr tracked = loop.process(
-      test::makeFrame(test::toFloat(last.blurred), last.mid_exposure_ns + std::llround(0.6e9), last.exposure, 500));
+  const TrackedFrameConstPtr tracked =
+      loop.process(test::makeFrame(test::scaled(test::toFloat(last.blurred), 1.0, 0.1),
+                                   last.mid_exposure_ns + std::llround(0.6e9), last.exposure, 500));
   ASSERT_TRUE(tracked->tracked()) << tracked->reason;
   EXPECT_FALSE(tracked->provisional);
 }

@@ -31,6 +31,12 @@ inline cv::Mat1f toFloat(const cv::Mat1b& image) {
   return result;
 }
 
+inline cv::Mat1f scaled(const cv::Mat1f& image, double gain, double offset = 0.0) {
+  cv::Mat1f result;
+  image.convertTo(result, CV_32F, gain, offset);
+  return result;
+}
+
 /// Motion with constant velocity, T_world_mid at t = 0.
 inline PoseFunction constantVelocity(const SE3& T_world_mid, const Vector6& velocity) {
   return [=](double t) { return T_world_mid * SE3::exp(t * velocity); };

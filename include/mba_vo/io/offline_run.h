@@ -15,6 +15,7 @@ struct OfflineOptions {
   OdometryConfig config;
   std::optional<double> exposure;  // for every image [s], 0 = instantaneous; nullopt = as recorded
   std::size_t skip = 0;            // images left out at the beginning
+  std::size_t frames = 0;          // images taken after these, 0 = all
   int reference_delay_frames = 0;  // from a keyframe to the frame that is first aligned to it
   // Among so many images a correction of the calibration ends the run, at the last of them; 0 = it goes on.
   std::size_t stop_if_corrected_within = 0;

@@ -19,9 +19,10 @@ struct FrameRecord {
   std::string status;                // TRACKING, DEGRADED: it has a pose; INITIALIZING, LOST, REJECTED: it has none
   std::string reason;
   std::optional<MapId> map;              // of its pose
-  std::optional<double> blur_length_px;  // [px]; these three only if the tracker itself found the pose
+  std::optional<double> blur_length_px;  // [px]; these four only if the tracker itself found the pose
   std::optional<int> points_used;
   std::optional<double> residual_rms;  // [grey levels]
+  std::optional<double> pixel_error;   // [px]
   double tracking_ms = 0.0;
   double mapping_ms = 0.0;
   std::string message;  // of the mapper

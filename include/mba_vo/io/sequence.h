@@ -30,6 +30,8 @@ class SequenceReader {
   /// Next image, nullopt at the end. An image that cannot be decoded comes back empty with its `problem`, so that the
   /// rest of the recording is not lost. Throws std::runtime_error naming the file or message if nothing can follow.
   virtual std::optional<SequenceImage> next() = 0;
+  /// Leaves out the next image; false at the end.
+  virtual bool skip() { return next().has_value(); }
 };
 
 /// Opens a sequence folder: camera.yaml, times.txt, <images>/<id, six digits>.<webp|png|jpg|...>. Stamps are those of

@@ -13,6 +13,10 @@ namespace mba_vo {
 /// Velocity of the initial map's reference frame [m/s, rad/s] by the poses next to it in time.
 Vector6 referenceVelocity(const InitialMap& initial);
 
+/// The reference's own frame as the tracker would report it.
+TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameConstPtr& frame,
+                                     const ExposureTrajectory& trajectory);
+
 /// Tracks the frames that came before a map's first keyframe, from the newest to the oldest. Ends with the first one
 /// that is lost: beyond it there is nothing to predict from, and what seems to fit is seldom right.
 class BackwardTracking {

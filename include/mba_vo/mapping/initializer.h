@@ -42,7 +42,8 @@ class Initializer {
   explicit Initializer(const InitializerConfig& config);
   ~Initializer();
 
-  /// Adds a frame (increasing time; a frame that is not later than the last, or of another camera, starts anew).
+  /// Adds a frame (increasing time; a frame that is not later than the last, or much later, or of another camera,
+  /// starts anew).
   /// Returns a map once one is found that explains frames that took no part, else null.
   std::unique_ptr<InitialMap> add(const FrameConstPtr& frame);
 

@@ -15,6 +15,7 @@ struct KeyframeReport {
   int points = 0;                // active points in the window afterwards
   int residuals = 0;             // in the last optimisation
   double rms = 0.0;              // of the window's residuals [grey levels]
+  double error_px = 0.0;         // shift of the image that would make such residuals [px]
   double depth_search_ms = 0.0;  // spent on frames since the last keyframe
   double activation_ms = 0.0;
   double deblur_ms = 0.0;

@@ -27,10 +27,15 @@ struct MapPoint {
 /// One map from its initialisation on: the window of keyframes with their active and immature points.
 class LocalMap {
  public:
-  /// Begins with the initial map's reference, moving at `reference_velocity`, as first keyframe at the origin of the
-  /// map.
+  /// Where the first keyframe is.
+  struct Place {
+    SE3 T_map_keyframe;
+    KeyframeId keyframe = 0;
+    AffineBrightness brightness;
+  };
+  /// Begins with the initial map's reference, moving at `reference_velocity`, as first keyframe.
   LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, const Vector6& reference_velocity,
-           TrajectoryStore& store, CalibrationEstimator& calibration);
+           const Place& place, TrajectoryStore& store, CalibrationEstimator& calibration);
 
   MapId id() const { return id_; }
   bool has(KeyframeId keyframe) const { return keyframes_.count(keyframe) > 0; }

@@ -4,6 +4,8 @@
 #include "mba_vo/geometry/calibration_correction.h"
 #include "mba_vo/mapping/depth_search.h"
 #include "mba_vo/mapping/initializer.h"
+#include "mba_vo/mapping/map_health.h"
+#include "mba_vo/mapping/relocalizer.h"
 #include "mba_vo/mapping/window.h"
 #include "mba_vo/tracking/keyframe_policy.h"
 #include "mba_vo/tracking/tracker.h"
@@ -22,6 +24,8 @@ struct MapperConfig {
   int new_points_per_keyframe = 1500;
   int max_display_points = 200000;
   double restart_after_lost = 1.0;
+  MapHealthConfig health;
+  RelocalizerConfig relocalizer;
   bool commute_blur = true;
   bool refine_calibration = true;
   CalibrationCorrection start_correction;  // found before, by an earlier run. Not read from `mapper`
@@ -35,7 +39,10 @@ struct MapperConfig {
     v.section("deblur", c.deblur);
     v("new_points_per_keyframe", c.new_points_per_keyframe, 50, 10000, "candidate points selected in a new keyframe");
     v("max_display_points", c.max_display_points, 0, 10000000, "old map points kept for display");
-    v("restart_after_lost", c.restart_after_lost, 0.05, 1e6, "a new map is begun after being lost for so long [s]");
+    v("restart_after_lost", c.restart_after_lost, 0.05, 1e6,
+      "a new map is begun after being lost for so long with images that show something [s]");
+    v.section("health", c.health);
+    v.section("relocalizer", c.relocalizer);
     v("commute_blur", c.commute_blur, "blur frames along the keyframe's own path where the keyframe is not sharp");
     v("refine_calibration", c.refine_calibration,
       "correct focal length, centre, radial distortion and row time where the images say that they are wrong");

@@ -27,6 +27,8 @@ class TrajectoryStore {
   /// The frame has become this keyframe: its pose is the keyframe's from now on, its motion what the tracker found.
   void makeKeyframe(const TrackedFrame& tracked, MapId map, KeyframeId keyframe);
   void setKeyframePose(MapId map, KeyframeId keyframe, const SE3& T_map_keyframe);
+  /// Forgets the frames of a map that are relative to this or later keyframes.
+  void forget(MapId map, KeyframeId from_keyframe);
   SE3 T_map_keyframe(MapId map, KeyframeId keyframe) const;
 
   /// All frames by time.

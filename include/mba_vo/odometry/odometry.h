@@ -33,6 +33,9 @@ class Odometry {
 
   /// What the images say that the calibration lacks: for the images to come.
   CalibrationCorrection correction() const { return mapper_.correction(); }
+  /// Begins anew, with another map; the trajectory keeps what was found so far.
+  void reset();
+
   std::vector<TrajectoryEntry> trajectory() const { return mapper_.trajectory(); }
   std::vector<MapPoint> points() const { return mapper_.points(); }
 

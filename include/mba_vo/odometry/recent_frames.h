@@ -18,6 +18,7 @@ class RecentFrames {
     bool mapped = false;        // the mapper has used it
     MotionState motion_before;  // what its prior came from, relative to the reference in use
     AffineBrightness brightness_before;
+    double contrast_before = 0.0;  // of the last tracked image [grey levels]
   };
 
   /// `badly_seen`: this frame is worth another look. Nothing is kept until there is such a frame.

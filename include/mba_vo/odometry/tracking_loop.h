@@ -34,6 +34,7 @@ class TrackingLoop {
   void reset();
 
   /// Camera to odom at mid-exposure of the last tracked frame; continuous across references and maps, never rewritten.
+  /// Before there is a map, and between maps, it turns with the camera and stays where it is.
   const SE3& T_odom_camera() const;
   /// odom to map by the newest reference: T_map_ref T_odom_ref^-1.
   SE3 T_map_odom() const;

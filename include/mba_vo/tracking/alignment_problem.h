@@ -29,6 +29,7 @@ struct AlignmentOptions {
   double sample_spacing_px = 1.25;
   int max_samples = 64;
   bool estimate_xi = true;       // false: the exposure is instantaneous, xi stays zero
+  bool rotation_only = false;    // neither position nor linear velocity is estimated
   bool with_covariance = false;  // keep what it needs
   double exposure = 1.0;         // [s] that xi belongs to; matters to a rolling shutter alone
   double residual_sigma = 20.0;  // [grey levels] weight of the priors against the pixels, correlation included

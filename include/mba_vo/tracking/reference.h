@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -60,6 +61,10 @@ struct Reference {
   std::vector<ReferencePoint> points;
   std::map<KeyframeId, SE3> T_map_keyframe;  // the window's poses at the same moment
   std::optional<TrackingHint> hint;
+  std::optional<double> exposure;  // of its image [s]; nullopt = unknown
+  std::string doubt;               // why poses of this map are not to be relied on; empty if they are
+  std::string withdrawn;     // why the map was given up, and nothing can be tracked with this; empty if it was not
+  bool at_infinity = false;  // no depths are known and the points' mean nothing: only rotation can be tracked
 };
 
 using ReferenceConstPtr = std::shared_ptr<const Reference>;

@@ -40,11 +40,16 @@ struct TrackedFrame {
   Matrix12 covariance = Matrix12::Zero();  // of (right increment of T_mid, xi)
   bool xi_prior_limited = true;            // too little blur for the covariance of xi to mean anything
   double residual_rms = 0.0;               // robust, level 0 [grey levels]
+  double pixel_error = 0.0;                // shift of the image that would make such residuals [px]
   FrameMeasures measures;                  // how it sees the points of the reference
   double inlier_fraction = 0.0;            // of the pixels, below the Huber threshold
   int points_used = 0;                     // patches
   bool keyframe_requested = false;
   bool provisional = false;  // it will be tracked again, against a keyframe that it sees better: not for the map yet
+  bool blind = false;        // the image shows nothing new: black, saturated, covered, frozen
+  /// While INITIALIZING: rotation and angular velocity of `trajectory` are measured, relative to an earlier frame, and
+  /// so is the covariance of the mid pose; there is no position.
+  bool orientation_only = false;
   double tracking_ms = 0.0;
   ExposureEstimate exposure_estimate;  // with which it was tracked
 

@@ -22,6 +22,8 @@ struct TrackerConfig {
   bool estimate_exposure = true;
   double min_inlier_fraction = 0.35;
   double degraded_inlier_fraction = 0.6;
+  double degraded_pixel_error = 1.2;
+  double max_pixel_error = 3.0;
   int min_patches = 20;
   MotionPriorConfig motion_prior;
 
@@ -38,6 +40,9 @@ struct TrackerConfig {
       "estimate it then; correct exposures that came with the images if they are clearly wrong");
     v("min_inlier_fraction", c.min_inlier_fraction, 0.0, 1.0, "inlier pixels below which a frame is lost");
     v("degraded_inlier_fraction", c.degraded_inlier_fraction, 0.0, 1.0, "inlier pixels below which it is degraded");
+    v("degraded_pixel_error", c.degraded_pixel_error, 0.1, 100.0,
+      "residual over gradient above which a frame is degraded [px]");
+    v("max_pixel_error", c.max_pixel_error, 0.1, 100.0, "the same, above which it is lost [px]");
     v("min_patches", c.min_patches, 5, 1000, "visible patches below which a frame is lost");
     v.section("motion_prior", c.motion_prior);
   }
@@ -71,7 +76,8 @@ class Tracker {
   LevelResult preferExpectedDirection(const Job& job, const LevelResult& result) const;
   std::optional<AlignmentPrior> priorFor(const Job& job, const AlignmentState& state) const;
   Matrix12 covarianceOf(const Job& job, const LevelResult& result, double blur_px) const;
-  void judge(double log_gain, TrackedFrame& tracked) const;
+  static double pixelError(const Job& job, const LevelResult& result);
+  void judge(const Reference& reference, double log_gain, TrackedFrame& tracked) const;
 
   TrackerConfig config_;
 };

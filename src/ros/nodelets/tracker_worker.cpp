@@ -126,7 +126,7 @@ void TrackerWorker::process(const InputImage& image) {
   catchUp();
   const TrackedFrameConstPtr tracked = loop_.process(frame);
   forward(tracked, loop_.reference() != nullptr);
-  if (tracked->tracked()) {
+  if (tracked->tracked() || tracked->orientation_only) {
     publishMotion(tracked);
   }
   status_.imageTracked(*tracked, exposureSource(image, *tracked));
@@ -242,7 +242,7 @@ void TrackerWorker::publishMotion(const TrackedFrameConstPtr& tracked) {
   if (last_measured_ns_ != 0) {
     motion.seconds_since_previous = 1e-9 * static_cast<double>(mid_ns - last_measured_ns_);
   }
-  last_measured_ns_ = mid_ns;
+  if (tracked->tracked()) last_measured_ns_ = mid_ns;
   motions_.publish(motion);
 }
 

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "mba_vo/mapping/local_map.h"
+#include "mba_vo/mapping/relocalizer.h"
+#include "mba_vo/tracking/lost_clock.h"
+
+namespace mba_vo {
+
+/// What is done about a tracker that is lost: for how long it has been, and the search for it among the keyframes.
+class Recovery {
+ public:
+  explicit Recovery(const MapperConfig& config) : config_(config), relocalizer_(config.relocalizer, config.tracker) {}
+
+  /// Keeps a new keyframe, and what is known by now of the others in the window of `map`.
+  void keep(const Reference& keyframe, const Frame& frame, LocalMap& map);
+
+  /// Takes a frame that the tracker lost. `usual_error`: of frames in this map [px].
+  std::optional<Relocalizer::Found> lose(const TrackedFrame& frame, double usual_error);
+  bool isLost() const { return clock_.lost(); }
+  bool isLostForGood() const { return clock_.seconds() >= config_.restart_after_lost; }
+  /// The tracker has a pose again.
+  void find();
+  void reset();
+
+  /// Another window of the same map, which begins with a keyframe that has left the old one.
+  std::unique_ptr<LocalMap> windowAt(const Relocalizer::Found& found, const LocalMap& old, TrajectoryStore& store,
+                                     CalibrationEstimator& calibration) const;
+
+ private:
+  MapperConfig config_;
+  Relocalizer relocalizer_;
+  LostClock clock_;
+  std::optional<std::int64_t> found_ns_;  // when the camera was found, until the tracker knows
+};
+
+}  // namespace mba_vo

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+
+#include "mba_vo/tracking/motion_state.h"
+#include "mba_vo/tracking/tracker.h"
+
+namespace mba_vo {
+
+/// Rotation of the camera while there is no map: frames are aligned, blur and all, to one of their number as if all
+/// that is seen were infinitely far away. Where the camera only turns, that is as good as with depths.
+class OrientationTracking {
+ public:
+  explicit OrientationTracking(const TrackerConfig& config) : tracker_(config), config_(config) {}
+
+  /// Aligns the next frame. True if its rotation was measured, or it is the first since reset().
+  bool track(const FrameConstPtr& frame);
+  /// What is known of the last frame: its rotation to the first one, and its angular velocity, measured or
+  /// predicted. Translation is zero.
+  ExposureTrajectory last() const;
+  /// Of the last frame's measured rotation [rad^2], in its own axes.
+  const Eigen::Matrix3d& covariance() const { return covariance_; }
+  void reset();
+
+ private:
+  void changeReference(const FrameConstPtr& frame, const AffineBrightness& brightness);
+
+  Tracker tracker_;
+  TrackerConfig config_;
+  std::shared_ptr<const Reference> reference_;
+  SE3 T_first_reference_;
+  MotionState motion_;  // relative to the reference
+  AffineBrightness brightness_;
+  Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
+};
+
+}  // namespace mba_vo

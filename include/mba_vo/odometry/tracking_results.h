@@ -1,0 +1,20 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "mba_vo/tracking/tracked_frame.h"
+#include "mba_vo/tracking/tracker.h"
+
+namespace mba_vo {
+
+/// The result for a frame without a pose.
+std::shared_ptr<TrackedFrame> untracked(const FrameConstPtr& frame, TrackingStatus status, const std::string& reason);
+
+/// Nothing that the tracker trusts, if there is this to be said against it.
+void degrade(TrackedFrame& tracked, const std::string& reason);
+
+/// After a loss anything may seem to fit: only a pose that is good by itself ends it, and the next one must agree.
+void judgeFirstAfterLoss(const TrackerConfig& config, TrackedFrame& tracked);
+
+}  // namespace mba_vo

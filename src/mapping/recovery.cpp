@@ -1,0 +1,52 @@
+#include "mba_vo/mapping/recovery.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr double kLongestWayThere = 0.5;  // [s] for the tracker to get what was found for it
+constexpr double kLeastLost = 0.05;       // [s] until a lost frame is searched for among the keyframes
+
+}  // namespace
+
+void Recovery::keep(const Reference& keyframe, const Frame& frame, LocalMap& map) {
+  KeyframeArchive& archive = relocalizer_.archive();
+  archive.add(keyframe, frame);
+  for (KeyframeId id = map.oldestKeyframe(); id < map.newestKeyframe(); ++id) {
+    if (map.has(id)) archive.update(*map.makeReference(id));
+  }
+}
+
+std::optional<Relocalizer::Found> Recovery::lose(const TrackedFrame& frame, double usual_error) {
+  const std::int64_t now = frame.frame->mid_exposure_ns;
+  clock_.lose(now, frame.blind);
+  const bool on_its_way = found_ns_ && 1e-9 * static_cast<double>(now - *found_ns_) < kLongestWayThere;
+  if (frame.blind || on_its_way || clock_.seconds() < kLeastLost || isLostForGood()) return std::nullopt;
+  auto found = relocalizer_.find(frame.frame, usual_error);
+  if (!found) return std::nullopt;
+  clock_.find();
+  found_ns_ = now;
+  return found;
+}
+
+void Recovery::find() {
+  clock_.find();
+  found_ns_.reset();
+}
+
+void Recovery::reset() {
+  find();
+  relocalizer_.restart();
+  relocalizer_.archive().clear();
+}
+
+std::unique_ptr<LocalMap> Recovery::windowAt(const Relocalizer::Found& found, const LocalMap& old, TrajectoryStore& store,
+                                             CalibrationEstimator& calibration) const {
+  const Reference& known = relocalizer_.archive().keyframes().at(found.keyframe).reference;
+  InitialMap initial;
+  initial.reference = found.keyframe_frame;
+  initial.points = known.points;
+  const LocalMap::Place place{known.T_map_reference, old.newestKeyframe() + 1, known.brightness};
+  return std::make_unique<LocalMap>(config_, old.id(), initial, known.velocity, place, store, calibration);
+}
+
+}  // namespace mba_vo

@@ -1,0 +1,79 @@
+#include "mba_vo/odometry/orientation_tracking.h"
+
+#include <algorithm>
+
+#include "mba_vo/image/point_selector.h"
+#include "mba_vo/tracking/frame_measures.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr float kFar = 1e-6F;            // inverse depth of everything
+constexpr int kPoints = 1000;            // of a reference
+constexpr double kLargestFlow = 0.15;    // of the image's width, after which another reference is taken
+constexpr double kLeastVisible = 0.7;    // the same, share of the points
+constexpr double kLeastInliers = 0.8;    // the same: parallax has made it differ
+constexpr double kSharpBlur = 2.0;       // [px]; a blurred frame becomes the reference only when it has to
+constexpr double kMostReluctance = 1.5;  // how much later than a sharp one
+
+}  // namespace
+
+void OrientationTracking::reset() {
+  reference_.reset();
+  T_first_reference_ = SE3();
+  motion_ = MotionState();
+  brightness_ = AffineBrightness();
+  covariance_.setZero();
+}
+
+ExposureTrajectory OrientationTracking::last() const {
+  ExposureTrajectory last = motion_.last();
+  last.T_reference_mid = T_first_reference_ * last.T_reference_mid;
+  return last;
+}
+
+void OrientationTracking::changeReference(const FrameConstPtr& frame, const AffineBrightness& brightness) {
+  const SE3 T_old_new = motion_.last().T_reference_mid;
+  T_first_reference_ = T_first_reference_ * T_old_new;
+  motion_.changeReference(T_old_new.inverse());
+  auto reference = std::make_shared<Reference>();
+  reference->at_infinity = true;
+  reference->mid_exposure_ns = frame->mid_exposure_ns;
+  reference->pyramid = std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid);
+  reference->velocity = motion_.last().velocity;
+  reference->image_xi = motion_.last().velocity * frame->exposure.value_or(0.0);
+  reference->brightness = brightness;
+  for (const Eigen::Vector2i& pixel : selectPoints(*reference->pyramid, kPoints, {})) {
+    reference->points.push_back({pixel.cast<float>(), kFar, 0.0F});
+  }
+  reference_ = reference;
+}
+
+bool OrientationTracking::track(const FrameConstPtr& frame) {
+  if (!reference_ || frame->mid_exposure_ns <= motion_.lastNs()) {
+    reset();
+    motion_ = MotionState(ExposureTrajectory(), frame->mid_exposure_ns);
+    changeReference(frame, {});
+    return true;
+  }
+  const double exposure = frame->exposure.value_or(config_.unknown_exposure);
+  TrackingGuess guess(motion_.priorAt(frame->mid_exposure_ns), exposure);
+  guess.brightness = brightness_;
+  const TrackedFrame tracked = tracker_.track(*reference_, frame, guess);
+  if (!tracked.tracked()) {
+    motion_ = MotionState(guess.trajectory, frame->mid_exposure_ns);
+    changeReference(frame, brightness_);
+    return false;
+  }
+  motion_.update(tracked);
+  brightness_ = tracked.brightness;
+  covariance_ = tracked.covariance.block<3, 3>(3, 3);
+  const FrameMeasures& seen = tracked.measures;
+  const double reluctance = std::clamp(seen.blur_length_px / kSharpBlur, 1.0, kMostReluctance);
+  const bool leaving = seen.flow_px > reluctance * kLargestFlow * frame->pyramid.level(0).camera.width ||
+                       seen.visible_fraction < kLeastVisible / reluctance;
+  if (leaving || tracked.inlier_fraction < kLeastInliers / reluctance) changeReference(frame, brightness_);
+  return true;
+}
+
+}  // namespace mba_vo
