@@ -275,11 +275,11 @@ void run(const Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Deblurs the images of a sequence along a known motion, and measures the result.", "mba_vo_deblur");
-  Arguments arguments;
-  describe(app, arguments);
-  CLI11_PARSE(app, argc, argv);
   try {
+    CLI::App app("Deblurs the images of a sequence along a known motion, and measures the result.", "mba_vo_deblur");
+    Arguments arguments;
+    describe(app, arguments);
+    CLI11_PARSE(app, argc, argv);
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR);
     run(arguments);
   } catch (const std::exception& error) {
