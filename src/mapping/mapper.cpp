@@ -116,7 +116,7 @@ class Mapper::Impl {
     store_.forget(map_->id(), young || bad > map_->newestKeyframe() ? 0 : map_->newestKeyframe() + 1 - bad);
     const std::vector<FrameConstPtr> frames = young ? initial_frames_ : std::vector<FrameConstPtr>();
     const std::int64_t failed_ns = first_keyframe_ns_;
-    reset();
+    forgetMap();
     output.message = last->withdrawn;
     output.reference = last;
     for (const FrameConstPtr& frame : frames) {

@@ -39,8 +39,8 @@ void Recovery::reset() {
   relocalizer_.archive().clear();
 }
 
-std::unique_ptr<LocalMap> Recovery::windowAt(const Relocalizer::Found& found, const LocalMap& old, TrajectoryStore& store,
-                                             CalibrationEstimator& calibration) const {
+std::unique_ptr<LocalMap> Recovery::windowAt(const Relocalizer::Found& found, const LocalMap& old,
+                                             TrajectoryStore& store, CalibrationEstimator& calibration) const {
   const Reference& known = relocalizer_.archive().keyframes().at(found.keyframe).reference;
   InitialMap initial;
   initial.reference = found.keyframe_frame;

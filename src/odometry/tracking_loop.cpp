@@ -11,8 +11,8 @@
 #include "mba_vo/odometry/image_check.h"
 #include "mba_vo/odometry/orientation_tracking.h"
 #include "mba_vo/odometry/recent_frames.h"
-#include "mba_vo/tracking/exposure_estimator.h"
 #include "mba_vo/odometry/tracking_results.h"
+#include "mba_vo/tracking/exposure_estimator.h"
 #include "mba_vo/tracking/lost_clock.h"
 #include "mba_vo/tracking/motion_state.h"
 

@@ -34,12 +34,12 @@ struct OfflineResult {
   RunLog log;
   std::vector<TrajectoryEntry> trajectory;
   CalibrationCorrection correction;  // of the calibration, at the end
-  std::vector<MapPoint> points;  // of the last map
+  std::vector<MapPoint> points;      // of the last map
   StageTimes times;
   std::size_t skipped = 0;
   bool stopped_for_calibration = false;
   int calibration_restarts = 0;  // of the run, each with a better calibration
-  ExposureEstimate exposure;  // the latest
+  ExposureEstimate exposure;     // the latest
 };
 
 /// Called after every image with the number of images done.
