@@ -1,7 +1,6 @@
 // Runs the odometry over a recorded sequence, a folder or a bag, and writes what it found. Needs no ROS master.
 #include <unistd.h>
 
-#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -13,9 +12,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "mba_vo/io/offline_run.h"
+#include "mba_vo/io/calibrated_run.h"
 #include "mba_vo/io/progress_bar.h"
-#include "mba_vo/io/row_time_search.h"
 #include "mba_vo/io/run_writer.h"
 #include "mba_vo/odometry/config_yaml.h"
 #ifdef MBA_VO_WITH_ROS
@@ -30,11 +28,11 @@ struct Arguments {
   std::string config_file;
   std::string images = "images";
   std::string exposure = "auto";
-  std::string row_time = "auto";
   std::string image_topic;
   std::string camera_info_topic;
   std::string exposure_topic;
   std::string stamp_reference = "middle";
+  std::optional<double> row_time;  // [s]
   std::size_t skip = 0;
   int reference_delay = 0;
   bool rectified = false;
@@ -59,21 +57,6 @@ std::string checkExposure(const std::string& text) {
   return good ? "" : "exposure '" + text + "': must be auto or 0 to 10 seconds";
 }
 
-/// "auto", "estimate" or seconds.
-std::string checkRowTime(const std::string& text) {
-  if (text == "auto" || text == "estimate") return "";
-  constexpr double kLongest = 1e-3;  // [s]
-  std::size_t used = 0;
-  double seconds = 2.0 * kLongest;
-  try {
-    seconds = std::stod(text, &used);
-  } catch (const std::exception&) {
-    used = 0;
-  }
-  const bool good = used == text.size() && std::abs(seconds) <= kLongest;
-  return good ? "" : "row time '" + text + "': must be auto, estimate or -0.001 to 0.001 seconds";
-}
-
 void describe(CLI::App& app, Arguments& a) {
   app.add_option("SEQUENCE", a.sequence, "sequence folder (camera.yaml, times.txt, images) or .bag file");
   app.add_option("--output", a.output, "folder for the results, made if need be");
@@ -83,9 +66,8 @@ void describe(CLI::App& app, Arguments& a) {
       ->capture_default_str()
       ->check(checkExposure);
   app.add_option("--row-time", a.row_time,
-                 "rolling shutter: auto = as configured, seconds from one row to the next, or estimate = by trying")
-      ->capture_default_str()
-      ->check(checkRowTime);
+                 "rolling shutter: seconds from one row to the next; default: image.row_time of the configuration")
+      ->check(CLI::Range(-1e-3, 1e-3));
   app.add_option("--skip", a.skip, "images to leave out at the beginning")->capture_default_str();
   app.add_flag("--deterministic", a.deterministic, "bit-identical results run after run");
   app.add_option("--reference-delay", a.reference_delay,
@@ -161,7 +143,6 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const Arguments& a) 
           {"images", a.images},
           {"config", a.config_file},
           {"exposure", a.exposure},
-          {"row_time", a.row_time},
           {"deterministic", a.deterministic ? "yes" : "no"},
           {"reference_delay_frames", std::to_string(a.reference_delay)}};
 }
@@ -177,19 +158,31 @@ void printCounts(const mba_vo::OfflineResult& result) {
   }
 }
 
-double rowTime(const Arguments& a, const mba_vo::OfflineOptions& options) {
-  if (a.row_time == "auto") return options.config.image.row_time;
-  if (a.row_time != "estimate") return std::stod(a.row_time);
-  mba_vo::RowTimeSearch search;
-  search.open = [&a] { return openSequence(a); };
-  search.options = options;
-  search.onTrial = [](const mba_vo::RowTimeTrial& trial) {
-    std::cout << "row time " << 1e6 * trial.row_time << " us: residual " << trial.residual << " grey levels\n"
-              << std::flush;
+void printCorrection(const mba_vo::CalibrationCorrection& c) {
+  using mba_vo::CalibrationCorrection;
+  std::cout << "the calibration is wrong: focal length " << 1e2 * c[CalibrationCorrection::kFocal] << " %, centre "
+            << 1e2 * c[CalibrationCorrection::kCentreX] << ", " << 1e2 * c[CalibrationCorrection::kCentreY]
+            << " % of the focal length, k1 " << c[CalibrationCorrection::kK1] << ", k2 "
+            << c[CalibrationCorrection::kK2] << ", row time " << 1e6 * c[CalibrationCorrection::kRowTime]
+            << " us; beginning anew\n"
+            << std::flush;
+}
+
+/// The whole sequence, perhaps in several goes, with a progress bar each.
+mba_vo::OfflineResult runOver(const Arguments& a, const mba_vo::OfflineOptions& options) {
+  std::unique_ptr<mba_vo::ProgressBar> bar;
+  mba_vo::CalibratedRun run;
+  run.open = [&] {
+    auto reader = openSequence(a);
+    bar = std::make_unique<mba_vo::ProgressBar>(std::cerr, reader->size(), isatty(STDERR_FILENO) == 1);
+    return reader;
   };
-  const mba_vo::RowTimeTrial found = mba_vo::estimateRowTime(search);
-  std::cout << "row time estimated: " << found.row_time << " s\n";
-  return found.row_time;
+  run.progress = [&](std::size_t done) { bar->update(done); };
+  run.onRestart = [&](const mba_vo::CalibrationCorrection& correction) {
+    bar.reset();
+    printCorrection(correction);
+  };
+  return mba_vo::runCalibrated(run, options);
 }
 
 void run(const Arguments& a) {
@@ -209,12 +202,8 @@ void run(const Arguments& a) {
   options.exposure = exposureOverride(a);
   options.skip = a.skip;
   options.reference_delay_frames = a.reference_delay;
-  options.config.image.row_time = rowTime(a, options);
-  const auto reader = openSequence(a);
-  const mba_vo::OfflineResult result = [&] {
-    mba_vo::ProgressBar bar(std::cerr, reader->size(), isatty(STDERR_FILENO) == 1);
-    return mba_vo::runOffline(*reader, options, [&](std::size_t done) { bar.update(done); });
-  }();
+  if (a.row_time) options.config.image.row_time = *a.row_time;
+  const mba_vo::OfflineResult result = runOver(a, options);
   mba_vo::writeRun(a.output, result, settingsOf(a));
   printCounts(result);
 }

@@ -11,17 +11,27 @@ class FrameBuilder::Impl {
  public:
   Impl(const CameraCalibration& calibration, const PhotometricCalibration& photometric,
        const FrameBuilderConfig& config)
-      : rectifier_(calibration),
+      : calibration_(calibration),
+        rectifier_(calibration),
         correction_(photometric, config.gamma, {calibration.width, calibration.height}),
         levels_(config.pyramid_levels),
-        camera_(rectifier_.camera()) {
-    camera_.row_time = config.row_time;
+        camera_(rectifier_.camera()),
+        row_time_(config.row_time) {
+    camera_.row_time = row_time_;
     if (levels_ < 1) {
       throw std::invalid_argument("pyramid_levels is " + std::to_string(levels_) + ", must be at least 1");
     }
   }
 
   const PinholeCamera& camera() const { return camera_; }
+  const CalibrationCorrection& correction() const { return calibration_correction_; }
+
+  void correct(const CalibrationCorrection& correction) {
+    if (correction == calibration_correction_) return;
+    calibration_correction_ = correction;
+    rectifier_ = Rectifier(calibration_, correction);
+    camera_.row_time = row_time_ + correction[CalibrationCorrection::kRowTime];
+  }
 
   ImagePyramid makePyramid(const cv::Mat& image) const {
     if (image.cols != camera().width || image.rows != camera().height) {
@@ -34,10 +44,13 @@ class FrameBuilder::Impl {
   }
 
  private:
+  CameraCalibration calibration_;
   Rectifier rectifier_;
   PhotometricCorrection correction_;
   int levels_;
   PinholeCamera camera_;
+  double row_time_;  // as configured [s]
+  CalibrationCorrection calibration_correction_;
 };
 
 FrameBuilder::FrameBuilder(const CameraCalibration& calibration, const PhotometricCalibration& photometric,
@@ -48,6 +61,8 @@ FrameBuilder::FrameBuilder(FrameBuilder&&) noexcept = default;
 
 const PinholeCamera& FrameBuilder::camera() const { return impl_->camera(); }
 
+void FrameBuilder::correct(const CalibrationCorrection& correction) { impl_->correct(correction); }
+
 FrameConstPtr FrameBuilder::build(const cv::Mat& image, std::uint64_t sequence, std::int64_t stamp_ns,
                                   std::int64_t mid_exposure_ns, std::optional<double> exposure) const {
   auto frame = std::make_shared<Frame>();
@@ -55,6 +70,7 @@ FrameConstPtr FrameBuilder::build(const cv::Mat& image, std::uint64_t sequence, 
   frame->stamp_ns = stamp_ns;
   frame->mid_exposure_ns = mid_exposure_ns;
   frame->exposure = exposure;
+  frame->correction = impl_->correction();
   frame->pyramid = impl_->makePyramid(image);
   return frame;
 }

@@ -70,6 +70,36 @@ Maps makeMaps(const CameraCalibration& c, const cv::Matx33d& rectified, cv::Size
   return maps;
 }
 
+/// The same with a correction of the calibration.
+Maps makeCorrectedMaps(const CameraCalibration& c, const cv::Matx33d& rectified, cv::Size size, double largest_radius,
+                       const CalibrationCorrection& correction) {
+  std::vector<cv::Point3d> rays;
+  rays.reserve(static_cast<std::size_t>(size.area()));
+  for (int v = 0; v < size.height; ++v) {
+    for (int u = 0; u < size.width; ++u) {
+      const Eigen::Vector2d ideal((u - rectified(0, 2)) / rectified(0, 0), (v - rectified(1, 2)) / rectified(1, 1));
+      const Eigen::Vector2d x = correction.apply(ideal);
+      rays.emplace_back(x.x(), x.y(), 1.0);
+    }
+  }
+  const cv::Matx33d distorted = cameraMatrix(c.fx, c.fy, c.cx, c.cy);
+  std::vector<cv::Point2d> pixels;
+  if (c.distortion_model == "equidistant") {
+    cv::fisheye::projectPoints(rays, pixels, cv::Vec3d(), cv::Vec3d(), distorted, c.distortion);
+  } else {
+    cv::projectPoints(rays, cv::Vec3d(), cv::Vec3d(), distorted, c.distortion, pixels);
+  }
+  Maps maps{cv::Mat1f(size), cv::Mat1f(size)};
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const int v = static_cast<int>(i) / size.width;
+    const int u = static_cast<int>(i) % size.width;
+    const bool seen = std::hypot(rays[i].x, rays[i].y) <= largest_radius;
+    maps.x(v, u) = seen ? static_cast<float>(pixels[i].x) : std::numeric_limits<float>::quiet_NaN();
+    maps.y(v, u) = static_cast<float>(pixels[i].y);
+  }
+  return maps;
+}
+
 bool isInside(float x, float y, cv::Size size) {
   return x >= 0.0F && y >= 0.0F && x <= static_cast<float>(size.width - 1) && y <= static_cast<float>(size.height - 1);
 }
@@ -104,18 +134,22 @@ double chooseFocalScale(const CameraCalibration& c, double largest_radius) {
 
 }  // namespace
 
-Rectifier::Rectifier(const CameraCalibration& calibration) {
+Rectifier::Rectifier(const CameraCalibration& calibration, const CalibrationCorrection& correction) {
   validate(calibration);
   const CameraCalibration& c = calibration;
   camera_ = {c.width, c.height, c.fx, c.fy, c.cx, c.cy};
-  if (isUndistorted(c)) return;
+  if (isUndistorted(c) && !correction.correctsLens()) return;
 
   const double largest_radius = largestRadius(c);
-  const double scale = chooseFocalScale(c, largest_radius);
-  camera_.fx = scale * c.fx;
-  camera_.fy = scale * c.fy;
+  if (!isUndistorted(c)) {
+    const double scale = chooseFocalScale(c, largest_radius);
+    camera_.fx *= scale;
+    camera_.fy *= scale;
+  }
   const cv::Size size(c.width, c.height);
-  const Maps maps = makeMaps(c, cameraMatrix(camera_.fx, camera_.fy, c.cx, c.cy), size, largest_radius);
+  const cv::Matx33d rectified = cameraMatrix(camera_.fx, camera_.fy, c.cx, c.cy);
+  const Maps maps = correction.correctsLens() ? makeCorrectedMaps(c, rectified, size, largest_radius, correction)
+                                              : makeMaps(c, rectified, size, largest_radius);
   samples_.reserve(static_cast<std::size_t>(size.area()));
   for (int v = 0; v < size.height; ++v) {
     for (int u = 0; u < size.width; ++u) {

@@ -39,9 +39,12 @@ OdometryConfig believing(const OfflineOptions& options) {
 class Run {
  public:
   Run(const CameraCalibration& calibration, const OfflineOptions& options)
-      : exposure_(options.exposure),
+      : start_(options.config.mapper.start_correction),
+        exposure_(options.exposure),
         builder_(makeFrameBuilder(calibration, options.config.image)),
-        odometry_(believing(options), options.reference_delay_frames) {}
+        odometry_(believing(options), options.reference_delay_frames) {
+    builder_.correct(odometry_.correction());
+  }
 
   void process(const SequenceImage& image, OfflineResult& result) {
     if (image.image.empty()) {
@@ -60,6 +63,7 @@ class Run {
       return odometry_.process(frame);
     }();
     account(odometry, processing, verdict.reason, result);
+    builder_.correct(odometry_.correction());
   }
 
   void finish(OfflineResult& result) {
@@ -71,6 +75,8 @@ class Run {
     account(odometry, processing, "", result);
   }
 
+  CalibrationCorrection correction() const { return odometry_.correction(); }
+  bool corrected() const { return odometry_.correction() != start_; }
   std::vector<TrajectoryEntry> trajectory() const { return odometry_.trajectory(); }
 
  private:
@@ -98,6 +104,7 @@ class Run {
     }
   }
 
+  CalibrationCorrection start_;
   std::optional<double> exposure_;  // [s]
   InputGuard guard_;
   FrameBuilder builder_;
@@ -122,9 +129,13 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
         run.process(*image, result);
       }
       progress(done);
+      if (done == options.skip + options.stop_if_corrected_within && run.corrected()) break;
     }
     run.finish(result);
+    const std::size_t processed = result.log.frames().size();
+    result.stopped_for_calibration = run.corrected() && processed <= options.stop_if_corrected_within;
   }
+  result.correction = run.correction();
   result.trajectory = run.trajectory();
   result.log.settle(result.trajectory);
   return result;

@@ -39,6 +39,15 @@ std::string optionalText(const std::optional<Value>& value, int decimals) {
   return text.str();
 }
 
+void writeCalibration(const OfflineResult& result, std::ostream& out) {
+  using Correction = CalibrationCorrection;
+  const Correction& c = result.correction;
+  out << "calibration_restarts: " << result.calibration_restarts << "\n";
+  out << "calibration_correction: {focal: " << c[Correction::kFocal] << ", centre_x: " << c[Correction::kCentreX]
+      << ", centre_y: " << c[Correction::kCentreY] << ", k1: " << c[Correction::kK1] << ", k2: " << c[Correction::kK2]
+      << ", row_time: " << c[Correction::kRowTime] << "}\n";
+}
+
 void writeStage(std::ostream& out, const char* name, double seconds, std::size_t frames) {
   const double per_frame = frames == 0 ? 0.0 : 1e3 * seconds / static_cast<double>(frames);
   out << "  " << name << ": {total_s: " << seconds << ", per_frame_ms: " << per_frame << "}\n";
@@ -61,13 +70,13 @@ void writeFrames(const std::vector<FrameRecord>& frames, std::ostream& out) {
 
 void writeKeyframes(const std::vector<KeyframeReport>& keyframes, std::ostream& out) {
   out << "keyframe,sequence,time,blur_px,points,residuals,rms,depth_search_ms,activation_ms,deblur_ms,optimisation_ms,"
-         "marginalisation_ms,selection_ms,total_ms\n";
+         "calibration_ms,marginalisation_ms,selection_ms,total_ms\n";
   out << std::fixed << std::setprecision(3);
   for (const KeyframeReport& k : keyframes) {
     out << k.keyframe_id << "," << k.frame_sequence << "," << formatSeconds(k.mid_exposure_ns) << ","
         << k.blur_length_px << "," << k.points << "," << k.residuals << "," << k.rms << "," << k.depth_search_ms << ","
-        << k.activation_ms << "," << k.deblur_ms << "," << k.optimisation_ms << "," << k.marginalisation_ms << ","
-        << k.selection_ms << "," << k.total_ms << "\n";
+        << k.activation_ms << "," << k.deblur_ms << "," << k.optimisation_ms << "," << k.calibration_ms << ","
+        << k.marginalisation_ms << "," << k.selection_ms << "," << k.total_ms << "\n";
   }
 }
 
@@ -90,6 +99,7 @@ void writeSummary(const OfflineResult& result, const std::vector<std::pair<std::
     out << "exposure_ratio_sigma: " << result.exposure.log_sigma << "\n";
     out << "exposure_ratio_used: " << (result.exposure.used ? "true" : "false") << "\n";
   }
+  writeCalibration(result, out);
   const StageTimes& times = result.times;
   out << std::fixed << std::setprecision(3) << "times:\n";
   writeStage(out, "load", times.load, counts.frames);

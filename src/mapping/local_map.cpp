@@ -15,6 +15,8 @@ namespace {
 constexpr double kUnrefinedVariance =
     1.0;  // of an inverse depth known from searching alone: as good as unknown [1/m^2]
 
+constexpr int kCalibrationKeyframes = 4;  // least number in a window that tells about the calibration
+
 constexpr std::size_t kPointsPerSearch = 64;  // in one piece of parallel work
 
 using Clock = std::chrono::steady_clock;
@@ -26,12 +28,14 @@ double millisecondsSince(Clock::time_point begin) {
 }  // namespace
 
 LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, const Vector6& reference_velocity,
-                   TrajectoryStore& store)
+                   TrajectoryStore& store, CalibrationEstimator& calibration)
     : config_(config),
       id_(id),
       store_(store),
+      calibration_(calibration),
       window_(config.window, config.deterministic),
       deblurrer_(makeDeblurrer(config.deblur)) {
+  window_.setCorrection(calibration_.correction());
   const FrameConstPtr& frame = initial.reference;
   addKeyframe(frame, std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid), SE3(), reference_velocity, {});
   for (const ReferencePoint& point : initial.points) {
@@ -57,6 +61,7 @@ void LocalMap::addKeyframe(const FrameConstPtr& frame, const std::shared_ptr<con
   // Where the exposure is unknown, the image is left as if it were sharp.
   keyframe.xi = velocity * frame->exposure.value_or(0.0);
   keyframe.brightness = brightness;
+  keyframe.correction = frame->correction;
   // An image that was not deblurred still has the whole motion in it.
   if (config_.commute_blur && sharp == frame_image) keyframe.image_xi = keyframe.xi;
   window_.addKeyframe(keyframe);
@@ -112,6 +117,10 @@ KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const Vecto
   const WindowSummary summary = window_.optimize(config_.window.max_iterations);
   storePoses();
   report.optimisation_ms = millisecondsSince(stage);
+
+  stage = Clock::now();
+  refineCalibration(summary);
+  report.calibration_ms = millisecondsSince(stage);
 
   stage = Clock::now();
   marginalizeKeyframes();
@@ -195,6 +204,11 @@ void LocalMap::marginalizeKeyframes() {
   }
 }
 
+void LocalMap::refineCalibration(const WindowSummary& summary) {
+  if (!config_.refine_calibration || static_cast<int>(keyframes_.size()) < kCalibrationKeyframes) return;
+  if (calibration_.add(window_.calibrationSystem(), summary.rms)) window_.setCorrection(calibration_.correction());
+}
+
 void LocalMap::storePoses() {
   for (const KeyframeId id : window_.keyframes()) store_.setKeyframePose(id_, id, window_.T_map_keyframe(id));
 }
@@ -208,6 +222,7 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe) {
   reference->image_xi = keyframes_.at(keyframe).image_xi;
   reference->brightness = window_.brightness(keyframe);
   reference->velocity = window_.velocity(keyframe);
+  reference->correction = calibration_.correction();
   reference->points =
       projectPoints(window_, reference->pyramid->level(0).camera, reference->T_map_reference, reference->velocity);
   for (const KeyframeId id : window_.keyframes()) reference->T_map_keyframe[id] = window_.T_map_keyframe(id);

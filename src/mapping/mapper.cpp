@@ -16,7 +16,10 @@ constexpr int kFramesUntilResend = 15;      // the first reference may still be 
 class Mapper::Impl {
  public:
   explicit Impl(const MapperConfig& config)
-      : config_(config), initializer_(config.initializer), keyframe_policy_(config.keyframe) {}
+      : config_(config),
+        initializer_(config.initializer),
+        keyframe_policy_(config.keyframe),
+        calibration_(config.start_correction) {}
 
   MapperOutput process(const TrackedFrameConstPtr& frame) {
     if (!map_) return initialize(frame->frame);
@@ -47,6 +50,11 @@ class Mapper::Impl {
   }
 
   void reset() {
+    forgetMap();
+    calibration_ = CalibrationEstimator(config_.start_correction);
+  }
+
+  void forgetMap() {
     map_.reset();
     reference_.reset();
     initializer_.reset();
@@ -59,6 +67,7 @@ class Mapper::Impl {
   }
 
   ReferenceConstPtr currentReference() const { return reference_; }
+  const CalibrationCorrection& correction() const { return calibration_.correction(); }
   const TrajectoryStore& store() const { return store_; }
   std::vector<MapPoint> points() const { return map_ ? map_->points() : std::vector<MapPoint>{}; }
 
@@ -71,7 +80,7 @@ class Mapper::Impl {
       return output;
     }
     const Vector6 velocity = referenceVelocity(*initial);
-    map_ = std::make_unique<LocalMap>(config_, next_map_id_++, *initial, velocity, store_);
+    map_ = std::make_unique<LocalMap>(config_, next_map_id_++, *initial, velocity, store_, calibration_);
     output.message =
         "map " + std::to_string(map_->id()) + " initialised with " + std::to_string(initial->points.size()) + " points";
     reference_ = begin(std::move(initial), velocity);
@@ -172,7 +181,7 @@ class Mapper::Impl {
     if (!lost_since_ns_) lost_since_ns_ = now;
     MapperOutput output;
     if (1e-9 * static_cast<double>(now - *lost_since_ns_) < config_.restart_after_lost) return output;
-    reset();
+    forgetMap();
     output.message = "lost for too long: a new map begins";
     return output;
   }
@@ -203,6 +212,7 @@ class Mapper::Impl {
   Initializer initializer_;
   KeyframePolicy keyframe_policy_;
   TrajectoryStore store_;
+  CalibrationEstimator calibration_;
   std::unique_ptr<LocalMap> map_;
   ReferenceConstPtr reference_;
   MapId next_map_id_ = 1;
@@ -224,6 +234,7 @@ void Mapper::finishDeferredWork() { impl_->finishDeferredWork(); }
 void Mapper::reset() { impl_->reset(); }
 ReferenceConstPtr Mapper::currentReference() const { return impl_->currentReference(); }
 std::vector<TrajectoryEntry> Mapper::trajectory() const { return impl_->store().entries(); }
+CalibrationCorrection Mapper::correction() const { return impl_->correction(); }
 std::vector<MapPoint> Mapper::points() const { return impl_->points(); }
 
 }  // namespace mba_vo

@@ -35,22 +35,6 @@ void readTarget(const PairGeometry& pair, const Eigen::Vector2i& centre, double 
   }
 }
 
-std::optional<Eigen::Vector2d> projectIntoTarget(const PairGeometry& pair, const Eigen::Vector2d& host_pixel,
-                                                 double inverse_depth) {
-  const PinholeCamera& host = pair.host_image->camera;
-  const PinholeCamera& target = pair.target_image->camera;
-  const Eigen::Vector3d ray = host.unproject(host_pixel);
-  if (host.row_time != 0.0 || target.row_time != 0.0) {
-    const RigidMotion to_row = shortMotion(pair.rows.reference, host.rowDelay(host_pixel.y()));
-    const Eigen::Vector3d in_host = to_row.R * (ray / inverse_depth) + to_row.p;
-    const auto seen = projectRolling(target, pair.rows.camera, pair.T_target_host * in_host);
-    return seen ? std::optional<Eigen::Vector2d>(seen->pixel) : std::nullopt;
-  }
-  const Eigen::Vector3d point = pair.T_target_host.rotation() * ray + inverse_depth * pair.T_target_host.translation();
-  if (point.z() <= 0.0) return std::nullopt;
-  return target.project(point);
-}
-
 constexpr int kPixels = kResidualPixels;
 constexpr int kSize = 8;  // of z = [gx gy ugx ugy, J_a, J_b, r], padded
 
@@ -134,51 +118,6 @@ void multiplyOut(const PatchComparison& c, int rows, JacobianProducts& p) {
 }
 
 }  // namespace
-
-PairGeometry makePairGeometry(const KeyframeState& host, const KeyframeState& target, bool reblur_targets) {
-  PairGeometry pair;
-  pair.blurred = reblur_targets && !target.xi.isZero(0.0);
-  pair.host_image = &host.sharp->level(0);
-  pair.target_image = reblur_targets ? &target.original->level(0) : &target.sharp->level(0);
-  pair.rows = {target.velocity, host.velocity};
-  const auto makePaths = [&](const SE3& T_host_target) {
-    return FixedMotionPathMaker(pair.host_image->camera, pair.target_image->camera,
-                                {T_host_target, target.xi, pair.blurred ? 1.0 : 0.0}, pair.rows);
-  };
-  const SE3 T_host_target = host.T_map_keyframe().inverse() * target.T_map_keyframe();
-  const SE3 T_host_target_first = host.T_linear.inverse() * target.T_linear;
-  pair.T_target_host = T_host_target.inverse();
-  if (reblur_targets && !host.image_xi.isZero(0.0)) {
-    pair.commuted.emplace(pair.host_image->camera, pair.target_image->camera, T_host_target, host.image_xi);
-  }
-  pair.path = makePaths(T_host_target);
-  if (!host.delta.head<6>().isZero(0.0) || !target.delta.head<6>().isZero(0.0)) {
-    pair.first_path = makePaths(T_host_target_first);
-  }
-  const AffineBrightness host_brightness = host.brightness();
-  const AffineBrightness target_brightness = target.brightness();
-  pair.gain = static_cast<float>(std::exp(target_brightness.a - host_brightness.a));
-  pair.offset_host = static_cast<float>(host_brightness.b);
-  pair.offset_target = static_cast<float>(target_brightness.b);
-  // T_ht' = Exp(-d_h) T_ht = T_ht Exp(-Ad(T_ht^-1) d_h); a enters as a_t - a_h; b_h as -gain b_h.
-  pair.J_host.topLeftCorner<6, 6>() = -T_host_target_first.inverse().adjoint();
-  pair.J_host(6, 6) = -1.0;
-  pair.J_host(7, 7) = -std::exp(target.brightness_linear.a - host.brightness_linear.a);
-  return pair;
-}
-
-std::vector<PairGeometry> makePairGeometries(const WindowState& state, bool reblur_targets) {
-  const int n = state.size();
-  std::vector<PairGeometry> pairs(static_cast<std::size_t>(n * n));
-  for (int h = 0; h < n; ++h) {
-    for (int t = 0; t < n; ++t) {
-      if (h == t) continue;
-      pairs[static_cast<std::size_t>(h * n + t)] =
-          makePairGeometry(state.keyframe(h), state.keyframe(t), reblur_targets);
-    }
-  }
-  return pairs;
-}
 
 void placePixels(const PairGeometry& pair, const Eigen::Vector2d& host_pixel, double inverse_depth,
                  const ResidualOptions& options, PatchResidual& residual, const Eigen::Vector2d& slope) {

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "mba_vo/mapping/calibration_system.h"
 #include "mba_vo/mapping/keyframe_retirement.h"
 #include "mba_vo/mapping/window_marginalizer.h"
 #include "mba_vo/mapping/window_optimizer.h"
@@ -18,6 +19,8 @@ namespace {
 constexpr double kPoseAnchor = 1e10;        // information of the first pose [1/m^2, 1/rad^2]
 constexpr double kScaleAnchor = 1e10;       // information of the log of the scale
 constexpr double kBrightnessAnchor = 1e10;  // information of the first keyframe's a and b
+
+constexpr int kCalibrationStride = 3;  // of the points that tell about the calibration: a third is more than enough
 
 ResidualOptions residualOptions(const WindowConfig& config) {
   ResidualOptions options;
@@ -72,6 +75,7 @@ class Window::Impl {
   WindowState state_;
   std::vector<PairGeometry> pairs_;  // of the current state; empty: not made yet
   PointId next_point_ = 0;
+  CalibrationCorrection correction_;
 };
 
 void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
@@ -88,6 +92,8 @@ void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
   added.image_xi = keyframe.image_xi;
   added.velocity = keyframe.velocity;
   added.xi = keyframe.xi;
+  added.correction = keyframe.correction;
+  added.lacking.values = correction_.values - keyframe.correction.values;
   added.T_linear = keyframe.T_map_keyframe;
   added.brightness_linear = keyframe.brightness;
   // Until its own residuals are known: as strict as the previous keyframe, at first twice the square of the Huber
@@ -213,6 +219,16 @@ WindowSummary Window::optimize(int max_iterations) {
   }
   impl_->pairs_.clear();
   return impl_->optimizer_.optimize(impl_->state_, impl_->anchor_, max_iterations);
+}
+
+void Window::setCorrection(const CalibrationCorrection& correction) {
+  impl_->correction_ = correction;
+  for (KeyframeState& k : impl_->state_.keyframes) k.lacking.values = correction.values - k.correction.values;
+  impl_->pairs_.clear();
+}
+
+CalibrationSystem Window::calibrationSystem() {
+  return linearizeCalibration(impl_->state_, impl_->linearizer_, impl_->config_.reblur_targets, kCalibrationStride);
 }
 
 std::vector<KeyframeId> Window::keyframesToMarginalize() const { return impl_->keyframesToMarginalize(); }

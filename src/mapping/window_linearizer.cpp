@@ -25,11 +25,6 @@ const PairGeometry& pairOf(const std::vector<PairGeometry>& pairs, const WindowS
   return pairs[static_cast<std::size_t>(point.host * state.size() + residual.target)];
 }
 
-/// The path whose derivatives count: that at the linearisation points.
-const FixedMotionPathMaker& jacobianPath(const PairGeometry& pair) {
-  return pair.first_path ? *pair.first_path : *pair.path;
-}
-
 bool isGoodTrial(const WindowState& state, const PatchResidual& residual) {
   return residual.trial_energy <= state.keyframe(residual.target).outlier_energy;  // false for kNoEnergy
 }
@@ -50,11 +45,7 @@ void WindowLinearizer::evaluateResidual(const PairGeometry& pair, const PointSta
                                         PatchComparison& comparison) const {
   residual.trial_energy = kNoEnergy;
   PatchPath path;
-  if (!residual.has_pixels ||
-      !pair.path->makeWithoutPose(residual.centre.cast<double>(), point.inverse_depth, path, point.pixel.y())) {
-    return;
-  }
-  applySlope(point.slope, point.pixel, path);
+  if (!residual.has_pixels || !makePath(pair, residual.centre, point, path)) return;
   residual.drift = projectionDrift(path, point.pixel);
   if (comparePatch(pair, path, residual, options_, comparison)) residual.trial_energy = comparison.energy;
 }
@@ -119,8 +110,7 @@ void WindowLinearizer::assemblePoint(const WindowState& state, const std::vector
     const PatchComparison& comparison = evaluation.patches[patch++];
     if (!isGoodTrial(state, residual)) continue;
     const PairGeometry& pair = pairOf(pairs, state, point, residual);
-    if (!jacobianPath(pair).make(residual.centre.cast<double>(), point.inverse_depth, path, point.pixel.y())) continue;
-    applySlope(point.slope, point.pixel, path);
+    if (!makeJacobianPath(pair, residual.centre, point, path)) continue;
     assembleSystem(comparison, path, pair.blurred, system);
     PairSums& sums = chunk.pairs[static_cast<std::size_t>(&pair - pairs.data())];
     sums.H += system.H;
@@ -147,10 +137,7 @@ void WindowLinearizer::assembleDepths(const WindowState& state, const WindowEval
       const PatchComparison& comparison = evaluation.patches[patch++];
       if (!isGoodTrial(state, residual)) continue;
       const PairGeometry& pair = pairOf(pairs, state, point, residual);
-      if (!jacobianPath(pair).makeWithoutPose(residual.centre.cast<double>(), point.inverse_depth, path,
-                                              point.pixel.y()))
-        continue;
-      applySlope(point.slope, point.pixel, path);
+      if (!makeJacobianPath(pair, residual.centre, point, path)) continue;
       H_depth(static_cast<Eigen::Index>(row)) += assembleDepth(comparison, path, pair.blurred).H;
     }
   });

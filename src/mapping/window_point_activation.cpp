@@ -20,9 +20,7 @@ WindowPointActivation::Evaluation WindowPointActivation::evaluate(const WindowSt
     const PairGeometry& pair = pairs[static_cast<std::size_t>(point.host * state.size() + residual.target)];
     const double limit = state.keyframe(residual.target).outlier_energy;
     if (place_pixels) placePixels(pair, point.pixel, point.inverse_depth, residual_options_, residual, point.slope);
-    const bool seen = residual.has_pixels && pair.path->makeWithoutPose(residual.centre.cast<double>(),
-                                                                        point.inverse_depth, path, point.pixel.y());
-    if (seen) applySlope(point.slope, point.pixel, path);
+    const bool seen = residual.has_pixels && makePath(pair, residual.centre, point, path);
     if (!seen || !comparePatch(pair, path, residual, residual_options_, comparison)) {
       // Leaving an image never pays: the energy before the step, if any, still counts.
       if (!std::isnan(residual.energy)) total.cost += std::min(static_cast<double>(residual.energy), limit);

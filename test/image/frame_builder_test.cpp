@@ -120,5 +120,21 @@ TEST(FrameBuilder, ImpossibleConfigurationIsRejected) {
   EXPECT_NE(messageOf([&] { FrameBuilder(undistorted(), {}, config); }).find("gamma"), std::string::npos);
 }
 
+TEST(FrameBuilder, ACorrectionHoldsFromTheNextImageOn) {
+  FrameBuilderConfig config;
+  config.row_time = 2e-5;
+  FrameBuilder builder({64, 48, 60.0, 60.0, 31.5, 23.5, "plumb_bob", {}}, {}, config);
+  const cv::Mat1b image(48, 64, static_cast<unsigned char>(50));
+  CalibrationCorrection correction;
+  correction.values(CalibrationCorrection::kRowTime) = 1e-5;
+  const FrameConstPtr before = builder.build(image, 0, 0, 0, 0.0);
+  builder.correct(correction);
+  const FrameConstPtr after = builder.build(image, 1, 1, 1, 0.0);
+  EXPECT_TRUE(before->correction.isZero());
+  EXPECT_EQ(before->pyramid.level(0).camera.row_time, 2e-5);
+  EXPECT_EQ(after->correction, correction);
+  EXPECT_NEAR(after->pyramid.level(0).camera.row_time, 3e-5, 1e-12);
+}
+
 }  // namespace
 }  // namespace mba_vo

@@ -80,6 +80,28 @@ TEST_P(RectifierModels, KeepsSizeAndMostOfTheImageValid) {
   EXPECT_GT(valid, 0.94 * 752 * 480);
 }
 
+TEST_P(RectifierModels, ACorrectionComesBeforeTheDistortion) {
+  CalibrationCorrection correction;
+  correction.values << 0.01, -0.006, 0.004, -0.02, 0.015, 0.0;
+  const Rectifier corrected(calibration_, correction);
+  EXPECT_EQ(corrected.camera().fx, rectifier_.camera().fx);
+  const cv::Mat1f xs = corrected.rectify(coordinateImage(calibration_, true));
+  const cv::Mat1f ys = corrected.rectify(coordinateImage(calibration_, false));
+  int checked = 0;
+  for (int v = 3; v < calibration_.height; v += 17) {
+    for (int u = 2; u < calibration_.width; u += 19) {
+      const Eigen::Vector3d ray = corrected.camera().unproject(Eigen::Vector2d(u, v));
+      const Eigen::Vector2d x = correction.apply(ray.head<2>());
+      const cv::Point2d expected = projectDistorted(calibration_, {x.x(), x.y(), 1.0});
+      if (std::isnan(xs(v, u))) continue;
+      EXPECT_NEAR(xs(v, u), expected.x, 2e-3) << u << ", " << v;
+      EXPECT_NEAR(ys(v, u), expected.y, 2e-3) << u << ", " << v;
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 500);
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Models, RectifierModels,
     ::testing::Values(std::make_tuple("plumb_bob", std::vector<double>{-0.28, 0.07, 0.0002, -0.0003}),

@@ -2,8 +2,10 @@
 #include <numeric>
 
 #include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
 
 #include "mapping/planar_scene.h"
+#include "mba_vo/mapping/calibration_system.h"
 #include "mba_vo/mapping/window_linearizer.h"
 #include "support/jacobian.h"
 #include "support/random.h"
@@ -230,6 +232,51 @@ TEST(PhotometricResidual, PixelsOutsideOrInvalidAreNotUsed) {
   const PairGeometry holed_pair = makePairGeometry(state.keyframe(0), state.keyframe(1), true);
   placePixels(holed_pair, {100, 100}, 0.5, ResidualOptions(), residual);
   EXPECT_FALSE(residual.has_pixels);
+}
+
+// A correction that both images lack moves the place in the host as calibrationJacobian says.
+TEST_P(WindowJacobian, OfTheCalibrationIsThatOfALackingCorrection) {
+  test::Random random(23);
+  const WindowState state = randomState(random, GetParam());
+  for (const PointState& point : state.points) {
+    const int target = point.residuals.front().target;
+    const Eigen::Vector2i centre(static_cast<int>(random.uniform(40, 280)), static_cast<int>(random.uniform(40, 200)));
+    const auto pairWith = [&](const CalibrationCorrection::Vector& lacking) {
+      KeyframeState host = state.keyframe(point.host);
+      KeyframeState other = state.keyframe(target);
+      host.lacking.values = other.lacking.values = lacking;
+      return makePairGeometry(host, other, true);
+    };
+    // Units in which all numbers move the image by about as much.
+    CalibrationCorrection::Vector unit;
+    unit << 1.0, 1.0, 1.0, 1.0, 1.0, 1e-3;
+    const auto place = [&](const Eigen::VectorXd& d) -> Eigen::VectorXd {
+      PatchPath path;
+      EXPECT_TRUE(makePath(pairWith(unit.cwiseProduct(d)), centre, point, path));
+      return path.c0.cast<double>();
+    };
+    const Eigen::MatrixXd numeric = test::numericJacobian(place, CalibrationCorrection::kDim, 5e-3);
+    const PairGeometry pair = pairWith(CalibrationCorrection::Vector::Zero());
+    PatchPath path;
+    ASSERT_TRUE(makeCurrentJacobianPath(pair, centre, point, path));
+    const auto J = calibrationJacobian(pair, path, centre.cast<double>(), point.pixel.y());
+    const Eigen::MatrixXd analytic = J[0] * unit.asDiagonal();
+    EXPECT_LT((analytic - numeric).cwiseAbs().maxCoeff(), 0.02 * (1.0 + numeric.cwiseAbs().maxCoeff()))
+        << analytic << "\n\n"
+        << numeric;
+  }
+}
+
+// Whether it finds what is lacking is tested on rendered sequences (odometry/calibration_test.cpp).
+TEST_P(WindowJacobian, CalibrationSystemIsThatOfASumOfSquares) {
+  test::Random random(29);
+  WindowState state = randomState(random, GetParam());
+  const WindowLinearizer linearizer(smoothOptions(), true);
+  linearizer.placePixels(state, 0.75F);
+  const CalibrationSystem system = linearizeCalibration(state, linearizer, true, 1);
+  EXPECT_LT((system.H - system.H.transpose()).norm(), 1e-6 * system.H.norm());
+  const Eigen::SelfAdjointEigenSolver<CalibrationCorrection::Matrix> eigen(system.H);
+  EXPECT_GT(eigen.eigenvalues().minCoeff(), -1e-6 * eigen.eigenvalues().maxCoeff());
 }
 
 }  // namespace

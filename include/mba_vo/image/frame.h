@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "mba_vo/geometry/calibration_correction.h"
 #include "mba_vo/image/image_pyramid.h"
 
 namespace mba_vo {
@@ -15,6 +16,7 @@ struct Frame {
   std::int64_t mid_exposure_ns = 0;  // time of mid-exposure [ns]
   std::optional<double> exposure;    // [s]; nullopt = unknown, 0 = instantaneous
   ImagePyramid pyramid;
+  CalibrationCorrection correction;  // of the calibration, as made
 
   double midExposureSeconds() const { return 1e-9 * static_cast<double>(mid_exposure_ns); }
 };

@@ -39,7 +39,10 @@ class FrameBuilder {
   ~FrameBuilder();
   FrameBuilder(FrameBuilder&&) noexcept;
 
-  /// Camera of the rectified images.
+  /// From the next image on, the calibration is corrected so.
+  void correct(const CalibrationCorrection& correction);
+
+  /// Camera of the rectified images. Only its row time changes with a correction.
   const PinholeCamera& camera() const;
 
   /// `image`: 8- or 16-bit, 1, 3 (BGR) or 4 channels, of the calibration's size, else std::invalid_argument.

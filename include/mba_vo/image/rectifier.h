@@ -5,6 +5,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "mba_vo/geometry/calibration_correction.h"
 #include "mba_vo/geometry/pinhole_camera.h"
 #include "mba_vo/image/camera_calibration.h"
 
@@ -15,11 +16,12 @@ namespace mba_vo {
 /// Choice of the rectified camera: principal point as in the calibration, both focal lengths scaled by one factor, the
 /// smallest for which at least 95 % of the rectified pixels are seen by the camera (but not below a half). So almost
 /// the whole field of view is kept, at the price of a few invalid pixels in the corners. An undistorted camera is
-/// left as it is, and its images pass through without interpolation.
+/// left as it is, and its images pass through without interpolation. A correction of the calibration changes the images
+/// but not the camera, so that images with different corrections can be compared.
 class Rectifier {
  public:
   /// Throws std::invalid_argument for an impossible calibration.
-  explicit Rectifier(const CameraCalibration& calibration);
+  explicit Rectifier(const CameraCalibration& calibration, const CalibrationCorrection& correction = {});
 
   const PinholeCamera& camera() const { return camera_; }
   bool isIdentity() const { return samples_.empty(); }

@@ -16,6 +16,8 @@ struct OfflineOptions {
   std::optional<double> exposure;  // for every image [s], 0 = instantaneous; nullopt = as recorded
   std::size_t skip = 0;            // images left out at the beginning
   int reference_delay_frames = 0;  // from a keyframe to the frame that is first aligned to it
+  // Among so many images a correction of the calibration ends the run, at the last of them; 0 = it goes on.
+  std::size_t stop_if_corrected_within = 0;
 };
 
 /// Wall-clock time by stage [s].
@@ -30,9 +32,12 @@ struct StageTimes {
 struct OfflineResult {
   RunLog log;
   std::vector<TrajectoryEntry> trajectory;
+  CalibrationCorrection correction;  // of the calibration, at the end
   StageTimes times;
   std::size_t skipped = 0;
   ExposureEstimate exposure;  // the latest
+  bool stopped_for_calibration = false;
+  int calibration_restarts = 0;  // of the run, each with a better calibration
 };
 
 /// Called after every image with the number of images done.

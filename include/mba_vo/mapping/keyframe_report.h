@@ -19,6 +19,7 @@ struct KeyframeReport {
   double activation_ms = 0.0;
   double deblur_ms = 0.0;
   double optimisation_ms = 0.0;
+  double calibration_ms = 0.0;
   double marginalisation_ms = 0.0;
   double selection_ms = 0.0;
   double total_ms = 0.0;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mba_vo/deblur/deblurrer.h"
+#include "mba_vo/mapping/calibration_estimator.h"
 #include "mba_vo/mapping/keyframe_report.h"
 #include "mba_vo/mapping/mapper_config.h"
 #include "mba_vo/mapping/surface_slope.h"
@@ -26,7 +27,7 @@ class LocalMap {
   /// Begins with the initial map's reference, moving at `reference_velocity`, as first keyframe at the origin of the
   /// map.
   LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, const Vector6& reference_velocity,
-           TrajectoryStore& store);
+           TrajectoryStore& store, CalibrationEstimator& calibration);
 
   MapId id() const { return id_; }
   bool has(KeyframeId keyframe) const { return keyframes_.count(keyframe) > 0; }
@@ -64,12 +65,14 @@ class LocalMap {
   void selectImmaturePoints(HostKeyframe& host) const;
   void marginalizeKeyframes();
   void storePoses();
+  void refineCalibration(const WindowSummary& summary);
   void keepForDisplay(KeyframeId keyframe);
   MapPoint displayPoint(const WindowPoint& point) const;
 
   MapperConfig config_;
   MapId id_;
   TrajectoryStore& store_;
+  CalibrationEstimator& calibration_;
   Window window_;
   std::unique_ptr<Deblurrer> deblurrer_;
   std::map<KeyframeId, HostKeyframe> keyframes_;

@@ -43,6 +43,9 @@ class Mapper {
   /// Forgets the map; the trajectory store keeps the poses found so far. The next map gets a new map id.
   void reset();
 
+  /// What the images say that the calibration lacks.
+  CalibrationCorrection correction() const;
+
   /// All frames with a measured pose, by time, each re-expressed with its keyframe's newest pose.
   std::vector<TrajectoryEntry> trajectory() const;
   /// Points of the active window and, up to MapperConfig::max_display_points, of marginalised keyframes.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "mba_vo/deblur/deblurrer.h"
+#include "mba_vo/geometry/calibration_correction.h"
 #include "mba_vo/mapping/depth_search.h"
 #include "mba_vo/mapping/initializer.h"
 #include "mba_vo/mapping/window.h"
@@ -22,7 +23,9 @@ struct MapperConfig {
   int max_display_points = 200000;
   double restart_after_lost = 1.0;
   bool commute_blur = true;
-  bool deterministic = false;  // bit-identical results run after run; sums in a fixed order
+  bool refine_calibration = true;
+  CalibrationCorrection start_correction;  // found before, by an earlier run. Not read from `mapper`
+  bool deterministic = false;              // bit-identical results run after run; sums in a fixed order
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
@@ -34,6 +37,8 @@ struct MapperConfig {
     v("max_display_points", c.max_display_points, 0, 10000000, "old map points kept for display");
     v("restart_after_lost", c.restart_after_lost, 0.05, 1e6, "a new map is begun after being lost for so long [s]");
     v("commute_blur", c.commute_blur, "blur frames along the keyframe's own path where the keyframe is not sharp");
+    v("refine_calibration", c.refine_calibration,
+      "correct focal length, centre, radial distortion and row time where the images say that they are wrong");
   }
 };
 

@@ -3,9 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "mba_vo/blur/commuted_blur.h"
-#include "mba_vo/blur/fixed_motion_path.h"
-#include "mba_vo/mapping/window_state.h"
+#include "mba_vo/mapping/pair_geometry.h"
 
 namespace mba_vo {
 
@@ -15,27 +13,6 @@ struct ResidualOptions {
   float sample_spacing_px = 1.25F;  // along the blur path
   int max_samples = 64;
 };
-
-/// What the residuals of all points of one host in one target share.
-struct PairGeometry {
-  const ImageLevel* host_image = nullptr;
-  const ImageLevel* target_image = nullptr;
-  SE3 T_target_host;
-  RowMotion rows;                                  // of target and host
-  std::optional<FixedMotionPathMaker> path;        // at the current state, with the target's motion
-  std::optional<FixedMotionPathMaker> first_path;  // at the linearisation points, if they differ
-  std::optional<CommutedBlur> commuted;            // if the host's image is itself blurred
-  bool blurred = false;
-  float gain = 1.0F;                 // exp(a_target - a_host)
-  float offset_host = 0.0F;          // b_host
-  float offset_target = 0.0F;        // b_target
-  Matrix8 J_host = Matrix8::Zero();  // d (target's states) / d (host's states) with equal effect on the residual
-};
-
-PairGeometry makePairGeometry(const KeyframeState& host, const KeyframeState& target, bool reblur_targets);
-
-/// All pairs of the window; that of a host in a target is number host * keyframes + target.
-std::vector<PairGeometry> makePairGeometries(const WindowState& state, bool reblur_targets);
 
 /// Places the residual's pixels around the projection of the point, rounded to integers. Leaves it without pixels if
 /// the point is behind the target or any pixel is outside or invalid.

@@ -6,11 +6,14 @@
 #include <optional>
 #include <vector>
 
+#include "mba_vo/geometry/calibration_correction.h"
 #include "mba_vo/geometry/exposure_trajectory.h"
 #include "mba_vo/image/image_pyramid.h"
 #include "mba_vo/tracking/reference.h"
 
 namespace mba_vo {
+
+struct CalibrationSystem;
 
 /// Options of the windowed photometric bundle adjustment.
 struct WindowConfig {
@@ -55,6 +58,7 @@ struct WindowKeyframe {
   Vector6 image_xi = Vector6::Zero();  // motion blur left in `sharp`, 0 = none [m, rad]
   AffineBrightness brightness;
   Vector6 velocity = Vector6::Zero();  // while the rows of a rolling shutter are read [m/s, rad/s]
+  CalibrationCorrection correction{};  // of the calibration, that the images were made with
 };
 
 /// State of one active point, for callers.
@@ -100,6 +104,12 @@ class Window {
 
   /// Levenberg-Marquardt on all states; re-classifies residuals as inliers and outliers; drops points left without any.
   WindowSummary optimize(int max_iterations);
+
+  /// The correction of the calibration that all images should have been made with; the window makes up for the
+  /// difference.
+  void setCorrection(const CalibrationCorrection& correction);
+  /// What the residuals say about errors that are left.
+  CalibrationSystem calibrationSystem();
 
   /// Keyframes to marginalise now so that the window keeps its size (at most max_keyframes - 1 remain before a new
   /// one).

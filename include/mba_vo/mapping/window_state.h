@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "mba_vo/geometry/calibration_correction.h"
 #include "mba_vo/geometry/exposure_trajectory.h"
 #include "mba_vo/image/image_pyramid.h"
 #include "mba_vo/mapping/marginalization_prior.h"
@@ -26,6 +27,8 @@ struct KeyframeState {
   Vector6 xi = Vector6::Zero();
   Vector6 image_xi = Vector6::Zero();  // motion blur left in `sharp`, 0 = none [m, rad]
   Vector6 velocity = Vector6::Zero();  // while the rows of a rolling shutter are read [m/s, rad/s]
+  CalibrationCorrection correction;    // of the calibration, that the images were made with
+  CalibrationCorrection lacking;       // what is to be added to it, as is known now
   SE3 T_linear;
   AffineBrightness brightness_linear;
   Vector8 delta = Vector8::Zero();

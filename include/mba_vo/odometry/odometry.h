@@ -31,6 +31,8 @@ class Odometry {
   /// To be called after the last frame: does what has been put off. No reference is waited for any longer.
   OdometryResult finish();
 
+  /// What the images say that the calibration lacks: for the images to come.
+  CalibrationCorrection correction() const { return mapper_.correction(); }
   std::vector<TrajectoryEntry> trajectory() const { return mapper_.trajectory(); }
   std::vector<MapPoint> points() const { return mapper_.points(); }
 

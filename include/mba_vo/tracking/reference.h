@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "mba_vo/geometry/calibration_correction.h"
 #include "mba_vo/geometry/exposure_trajectory.h"
 #include "mba_vo/image/image_pyramid.h"
 
@@ -55,6 +56,7 @@ struct Reference {
   Vector6 image_xi = Vector6::Zero();  // motion blur left in the image, 0 = sharp [m, rad]
   Vector6 velocity = Vector6::Zero();  // while the rows of a rolling shutter are read [m/s, rad/s]
   AffineBrightness brightness;         // of the reference image
+  CalibrationCorrection correction;    // that new images should be made with
   std::vector<ReferencePoint> points;
   std::map<KeyframeId, SE3> T_map_keyframe;  // the window's poses at the same moment
   std::optional<TrackingHint> hint;

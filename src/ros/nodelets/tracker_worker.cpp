@@ -105,6 +105,10 @@ void TrackerWorker::beginSession(bool keep_map) {
   guard_.reset();
   if (!keep_map) {
     loop_.reset();
+    correction_ = {};
+    if (builder_) {
+      builder_->correct(correction_);
+    }
     status_.wasReset();
     ROS_INFO("tracker was reset: a new map begins");
   }
@@ -189,10 +193,23 @@ void TrackerWorker::adoptReferences() {
     const bool has_time = queue_.size() < kBacklog;
     if (loop_.take(message->reference, has_time)) {
       status_.referenceAdopted(message->reference->id, message->summary.status);
+      correctCalibration(message->reference->correction);
     } else {
       status_.referenceStale();
     }
   }
+}
+
+void TrackerWorker::correctCalibration(const CalibrationCorrection& correction) {
+  if (!builder_ || correction == correction_) {
+    return;
+  }
+  correction_ = correction;
+  builder_->correct(correction);
+  ROS_WARN_STREAM(
+      "the images say that the calibration is wrong; it is corrected by focal length (relative), centre "
+      "(focal lengths), k1, k2, row time [s]: "
+      << correction.values.transpose());
 }
 
 void TrackerWorker::catchUp() {

@@ -50,6 +50,8 @@ class TrackerWorker {
   void adoptReferences();
   /// Frames that waited for the first reference of a map are tracked; newer references are adopted in between.
   void catchUp();
+  /// Images from now on are made as the mapper believes they should be.
+  void correctCalibration(const CalibrationCorrection& correction);
   void forward(const TrackedFrameConstPtr& tracked, bool has_reference);
   void publishMotion(const TrackedFrameConstPtr& tracked);
   std::string exposureSource(const InputImage& image, const TrackedFrame& tracked) const;
@@ -71,6 +73,7 @@ class TrackerWorker {
   TrackingLoop loop_;
   std::shared_ptr<const CameraCalibration> built_for_;
   std::unique_ptr<FrameBuilder> builder_;
+  CalibrationCorrection correction_;  // that it makes images with
   std::optional<SE3> T_base_camera_;
   std::string camera_frame_;
   std::uint64_t session_ = 0;

@@ -1,0 +1,23 @@
+#include "mba_vo/io/calibrated_run.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr std::size_t kImages = 600;  // that tell about the calibration
+constexpr int kMostRestarts = 5;
+
+}  // namespace
+
+OfflineResult runCalibrated(const CalibratedRun& run, OfflineOptions options) {
+  for (int restarts = 0;; ++restarts) {
+    options.stop_if_corrected_within = restarts < kMostRestarts ? kImages : 0;
+    const auto reader = run.open();
+    OfflineResult result = runOffline(*reader, options, run.progress);
+    result.calibration_restarts = restarts;
+    if (!result.stopped_for_calibration) return result;
+    options.config.mapper.start_correction = result.correction;
+    if (run.onRestart) run.onRestart(result.correction);
+  }
+}
+
+}  // namespace mba_vo

@@ -1,0 +1,83 @@
+#include <gtest/gtest.h>
+
+#include "mba_vo/odometry/config_yaml.h"
+#include "mba_vo/odometry/odometry.h"
+#include "support/rendered_sequence.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr double kExposure = 0.02;   // [s]
+constexpr double kRowTime = 1.2e-4;  // [s] all rows in 29 ms of the 37 ms between frames
+constexpr int kFrames = 110;
+
+using Correction = CalibrationCorrection;
+
+SimulationConfig config() {
+  SimulationConfig config = test::sequenceConfig(kExposure);
+  config.trajectory_seed = 3;
+  return config;
+}
+
+/// The correction after running over the frames, begun with `start`, as a user's program would.
+Correction runOnce(const test::RenderedSequence& sequence, const CameraCalibration& calibration,
+                   const Correction& start) {
+  OdometryConfig options;
+  options.mapper.deterministic = true;
+  options.mapper.start_correction = start;
+  finalize(options);
+  Odometry odometry(options, 0);
+  FrameBuilder builder(calibration, {}, {});
+  for (const SimulatedFrame& f : sequence.frames) {
+    builder.correct(odometry.correction());
+    odometry.process(builder.build(f.blurred, f.id, f.mid_exposure_ns, f.mid_exposure_ns, kExposure));
+  }
+  return odometry.correction();
+}
+
+Correction run(const test::RenderedSequence& sequence, const CameraCalibration& calibration, int passes) {
+  Correction correction;
+  for (int pass = 0; pass < passes; ++pass) correction = runOnce(sequence, calibration, correction);
+  return correction;
+}
+
+/// How far the corrected camera sees a point from where it is, at most over the image [px].
+double largestError(const Correction& found, const Correction& truth, const CameraCalibration& c) {
+  double largest = 0.0;
+  for (int x = 0; x < c.width; x += 15) {
+    for (int y = 0; y < c.height; y += 15) {
+      const Eigen::Vector2d ray((x - c.cx) / c.fx, (y - c.cy) / c.fy);
+      largest = std::max(largest, c.fx * (found.apply(ray) - truth.apply(ray)).norm());
+    }
+  }
+  return largest;
+}
+
+TEST(Calibration, ARightOneIsLeftAlone) {
+  const test::RenderedSequence sequence = test::renderFrames(config(), 0, kFrames);
+  EXPECT_TRUE(runOnce(sequence, sequence.calibration, {}).isZero());
+}
+
+TEST(Calibration, AWrongLensIsFound) {
+  const test::RenderedSequence sequence = test::renderFrames(config(), 0, kFrames);
+  CameraCalibration wrong = sequence.calibration;
+  wrong.fx *= 1.015;
+  wrong.fy *= 1.015;
+  wrong.cx += 4.0;
+  Correction truth;
+  truth.values << 1.0 / 1.015 - 1.0, -4.0 / wrong.fx, 0.0, 0.0, 0.0, 0.0;
+  const double before = largestError({}, truth, wrong);
+  const Correction found = run(sequence, wrong, 2);
+  EXPECT_LT(largestError(found, truth, wrong), 0.3 * before) << found.values.transpose();
+}
+
+TEST(Calibration, ARollingShutterIsFound) {
+  SimulationConfig rolling = config();
+  rolling.row_time = kRowTime;
+  const test::RenderedSequence sequence = test::renderFrames(rolling, 0, kFrames);
+  const Correction found = run(sequence, sequence.calibration, 3);
+  EXPECT_NEAR(found[Correction::kRowTime], kRowTime, 0.1 * kRowTime) << found.values.transpose();
+}
+
+}  // namespace
+}  // namespace mba_vo
