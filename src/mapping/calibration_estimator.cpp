@@ -14,7 +14,7 @@ constexpr int kLeastWindows = 4;
 constexpr double kCorrelation = 50.0;
 constexpr double kSignificant = 50.0;  // chi^2 of a step worth taking
 constexpr double kStep = 1.5;
-constexpr double kLeastRms = 1.0;      // [grey levels] rendered images may have hardly any
+constexpr double kLeastRms = 1.0;  // [grey levels] rendered images may have hardly any
 
 CalibrationCorrection::Vector priorSigma() {
   CalibrationCorrection::Vector sigma;
