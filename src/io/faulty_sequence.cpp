@@ -140,9 +140,10 @@ class Spoiler {
 }  // namespace
 
 const std::vector<std::string>& faultKinds() {
-  static const std::vector<std::string> kinds{"black",    "saturated", "covered", "frozen",     "unreadable", "gap",
-                                              "forwards", "backwards", "restart", "brightness", "exposure",   "kidnap"};
-  return kinds;
+  static const std::vector<std::string> kKinds{"black",      "saturated",  "covered",  "frozen",
+                                               "unreadable", "gap",        "forwards", "backwards",
+                                               "restart",    "brightness", "exposure", "kidnap"};
+  return kKinds;
 }
 
 FaultySequence::FaultySequence(SequenceReader& recording, const FaultConfig& config)
