@@ -55,7 +55,7 @@ class TrackingLoop::Impl {
         restart_after_lost_(config.mapper.restart_after_lost),
         longest_wait_(config.mapper.initializer.buffer_seconds + kMapperTime) {}
 
-  TrackedFrameConstPtr process(const FrameConstPtr& frame) {
+  TrackedFrameConstPtr process(const FrameConstPtr& frame, bool has_time) {
     const std::string problem = image_check_.problemOf(frame);
     if (!problem.empty()) return blind(frame, problem);
     if (reference_ && lost_.seconds() >= restart_after_lost_) {  // as the mapper does
@@ -69,7 +69,7 @@ class TrackingLoop::Impl {
     }
     const auto result = untracked(frame, TrackingStatus::kInitializing,
                                   reference_ ? "earlier frames are still being tracked" : no_map_reason_);
-    if (!reference_) trackOrientation(*result);
+    if (!reference_ && has_time) trackOrientation(*result);
     waiting_.push_back({frame, false, false, T_odom_camera_});
     while (secondsBetween(*waiting_.front().frame, *frame) > longest_wait_) waiting_.pop_front();
     return result;
@@ -295,7 +295,9 @@ class TrackingLoop::Impl {
 
 TrackingLoop::TrackingLoop(const OdometryConfig& config) : impl_(std::make_unique<Impl>(config)) {}
 TrackingLoop::~TrackingLoop() = default;
-TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame) { return impl_->process(frame); }
+TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame, bool has_time) {
+  return impl_->process(frame, has_time);
+}
 bool TrackingLoop::take(const ReferenceConstPtr& reference, bool may_go_back) {
   return impl_->take(reference, may_go_back);
 }

@@ -14,8 +14,9 @@ class TrackingLoop {
   explicit TrackingLoop(const OdometryConfig& config);
   ~TrackingLoop();
 
-  /// Every frame gives exactly one result; never null.
-  TrackedFrameConstPtr process(const FrameConstPtr& frame);
+  /// Every frame gives exactly one result; never null. Without time to spare the orientation is not tracked while there
+  /// is no map.
+  TrackedFrameConstPtr process(const FrameConstPtr& frame, bool has_time = true);
 
   /// Takes a newer snapshot; the prior is re-expressed through the poses that came with it. False if it is of no use.
   /// The first snapshot of a map comes with a hint about a frame of the past: frames that came after it and were
