@@ -15,9 +15,8 @@ namespace mba_vo {
 namespace {
 
 constexpr double kBytesPerMegabyte = 1e6;
-constexpr double kWarnPeriod = 5.0;    // [s]
-constexpr std::size_t kNoBacklog = 2;  // fewer images wait: there is time to spare
-constexpr std::size_t kBacklog = 8;    // so many images wait: the tracker is behind
+constexpr double kWarnPeriod = 5.0;  // [s]
+constexpr std::size_t kBacklog = 8;  // so many images wait: the tracker is behind
 
 }  // namespace
 
@@ -125,7 +124,7 @@ void TrackerWorker::process(const InputImage& image) {
     T_base_camera_ = lookupExtrinsic(config_.frames.base_frame, camera_frame_, config_.extrinsic_wait);
   }
   catchUp();
-  const TrackedFrameConstPtr tracked = loop_.process(frame, queue_.size() < kNoBacklog);
+  const TrackedFrameConstPtr tracked = loop_.process(frame, queue_.size() == 0);
   forward(tracked, loop_.reference() != nullptr);
   if (tracked->tracked() || tracked->orientation_only) {
     publishMotion(tracked);
