@@ -12,6 +12,12 @@ constexpr double kOwnWeight = 0.4;    // of the measured velocity: less than 1, 
 
 }  // namespace
 
+std::optional<Vector6> measuredVelocity(const TrackedFrame& frame) {
+  const bool rolling = frame.frame->pyramid.level(0).camera.row_time != 0.0;
+  if (!rolling && frame.frame->exposure.value_or(0.0) <= 0.0) return std::nullopt;
+  return frame.trajectory.velocity;
+}
+
 void KinematicBlur::add(std::int64_t mid_exposure_ns, const SE3& T_map_camera, const std::optional<Vector6>& velocity) {
   if (!poses_.empty() && mid_exposure_ns <= poses_.back().ns) return;
   poses_.push_back({mid_exposure_ns, T_map_camera, velocity});

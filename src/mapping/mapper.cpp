@@ -95,6 +95,7 @@ class Mapper::Impl {
       return output;
     }
     const Vector6 velocity = referenceVelocity(*initial);
+    calibration_before_map_ = calibration_;
     map_ = std::make_unique<LocalMap>(config_, next_map_id_++, *initial, velocity, LocalMap::Place(), store_,
                                       calibration_);
     output.message =
@@ -117,6 +118,8 @@ class Mapper::Impl {
     const std::vector<FrameConstPtr> frames = young ? initial_frames_ : std::vector<FrameConstPtr>();
     const std::int64_t failed_ns = first_keyframe_ns_;
     forgetMap();
+    calibration_ = calibration_before_map_;
+    last->correction = calibration_.correction();
     output.message = last->withdrawn;
     output.reference = last;
     for (const FrameConstPtr& frame : frames) {
@@ -208,13 +211,6 @@ class Mapper::Impl {
     return keyframe_policy_.takes(*reference_, measureFrame(*reference_, in_newest), frame.brightness);
   }
 
-  /// None where the exposure is unknown or instantaneous, unless a rolling shutter tells.
-  static std::optional<Vector6> measuredVelocity(const TrackedFrame& frame) {
-    const bool rolling = frame.frame->pyramid.level(0).camera.row_time != 0.0;
-    if (!rolling && frame.frame->exposure.value_or(0.0) <= 0.0) return std::nullopt;
-    return frame.trajectory.velocity;
-  }
-
   MapperOutput handleLost(const TrackedFrame& frame) {
     const auto found = recovery_.lose(frame, health_.usualFrameError());
     if (found) return goOnFrom(*found);
@@ -274,6 +270,7 @@ class Mapper::Impl {
   KeyframePolicy keyframe_policy_;
   TrajectoryStore store_;
   CalibrationEstimator calibration_;
+  CalibrationEstimator calibration_before_map_;  // what a wrong map says about it is not believed
   std::unique_ptr<LocalMap> map_;
   ReferenceConstPtr reference_;
   MapId next_map_id_ = 1;

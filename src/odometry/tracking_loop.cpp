@@ -1,7 +1,6 @@
 #include "mba_vo/odometry/tracking_loop.h"
 
 #include <algorithm>
-#include <cmath>
 #include <deque>
 #include <optional>
 #include <string>
@@ -26,7 +25,6 @@ constexpr double kProvisionalNeed = 2.0;     // the same
 constexpr double kHoldingNeed = 4.0;         // the same
 constexpr double kLongestProvisional = 0.5;  // [s]
 constexpr double kUnknownVariance = 1e6;     // of a position that nothing has measured [m^2]
-constexpr double kClearChange = 0.4;         // of the log of the contrast
 constexpr const char* kNoMap = "no map yet";
 constexpr int kFramesUntilKeyframe = 2;  // the mapper looks at one more frame before it makes a keyframe
 
@@ -103,7 +101,6 @@ class TrackingLoop::Impl {
     if (found && !frames.empty()) {
       frames.front().motion_before = motion_;
       frames.front().brightness_before = brightness_;
-      frames.front().contrast_before = contrast_;
     }
     if (may_go_back) trackAgain(frames);
     return true;
@@ -120,6 +117,7 @@ class TrackingLoop::Impl {
   }
 
   std::size_t waitingFrames() const { return waiting_.size(); }
+
   void reset() {
     reference_.reset();
     waiting_.clear();
@@ -188,8 +186,7 @@ class TrackingLoop::Impl {
   /// The hint tells where to begin.
   void beginAt(const Reference& reference) {
     motion_ = {reference.hint->trajectory, reference.hint->mid_exposure_ns};
-    brightness_ = reference.brightness;
-    contrast_ = contrast(*reference.pyramid);
+    brightness_ = {reference.brightness, contrast(*reference.pyramid)};
   }
 
   /// Goes back to the first of the frames, which are seen better by the reference that has just come.
@@ -197,7 +194,6 @@ class TrackingLoop::Impl {
     if (frames.empty()) return;
     motion_ = frames.front().motion_before;
     brightness_ = frames.front().brightness_before;
-    contrast_ = frames.front().contrast_before;
     std::vector<WaitingFrame> again;
     for (const RecentFrames::Entry& entry : frames) again.push_back({entry.frame, entry.in_time, entry.mapped, {}});
     waiting_.insert(waiting_.begin(), again.begin(), again.end());
@@ -218,9 +214,9 @@ class TrackingLoop::Impl {
     TrackingGuess guess(motion_.priorAt(frame->mid_exposure_ns),
                         frame->exposure.value_or(tracker_config_.unknown_exposure));
     const double contrast_now = contrast(frame->pyramid);
-    guess.brightness = expectedBrightness(contrast_now);
+    guess.brightness = brightness_.expectedAt(contrast_now);
     auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
-    RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, motion_, brightness_, contrast_};
+    RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, motion_, brightness_};
     tracked->exposure_estimate = exposures_.estimate(next.frame->exposure.has_value());
     exposures_.add(reference_, tracked, next.frame->exposure);
     if (lost_.lost()) judgeFirstAfterLoss(tracker_config_, *tracked);
@@ -229,8 +225,7 @@ class TrackingLoop::Impl {
     } else {
       lost_.find();
       motion_.update(*tracked);
-      brightness_ = tracked->brightness;
-      contrast_ = contrast_now;
+      brightness_ = {tracked->brightness, contrast_now};
       T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
       need_ = keyframe_policy_.need(*reference_, tracked->measures, tracked->brightness);
       tracked->keyframe_requested = keyframe_policy_.takes(*reference_, tracked->measures, tracked->brightness);
@@ -240,15 +235,6 @@ class TrackingLoop::Impl {
     }
     recent_.add(entry, !tracked->tracked() || need_ >= kRevisionNeed);
     return tracked;
-  }
-
-  /// The last frame's, unless the image has clearly got brighter or darker: then a change of exposure has to be
-  /// followed.
-  AffineBrightness expectedBrightness(double contrast_now) const {
-    if (!(contrast_ > 0.0) || !(contrast_now > 0.0)) return brightness_;
-    const double change = std::log(contrast_now / contrast_);
-    if (std::abs(change) < kClearChange) return brightness_;
-    return {brightness_.a + change, std::exp(change) * brightness_.b};
   }
 
   /// Once the view of the reference is being left and the mapper has been asked for a keyframe, frames are provisional
@@ -286,8 +272,7 @@ class TrackingLoop::Impl {
   int frames_since_request_ = 0;  // that a keyframe was asked for, counting the asking one
   std::optional<std::int64_t> hold_since_ns_;
   std::optional<std::int64_t> provisional_since_ns_;
-  AffineBrightness brightness_;  // of the last tracked frame
-  double contrast_ = 0.0;        // of its image [grey levels]
+  BrightnessState brightness_;  // of the last tracked frame
   SE3 T_odom_camera_;
   SE3 T_odom_reference_;
   std::optional<SE3> T_odom_first_;  // of the first frame without a map

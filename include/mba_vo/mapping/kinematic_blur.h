@@ -5,8 +5,13 @@
 #include <optional>
 
 #include "mba_vo/geometry/se3.h"
+#include "mba_vo/tracking/tracked_frame.h"
 
 namespace mba_vo {
+
+/// What the blur, or the rows of a rolling shutter, tell about the velocity [m/s, rad/s, body frame]. None where the
+/// exposure is unknown or instantaneous, unless the shutter rolls.
+std::optional<Vector6> measuredVelocity(const TrackedFrame& frame);
 
 /// Velocity during an exposure, mostly by the poses of the frames before and after it. A blurred image compared with a
 /// blurred reference tells only by how much more the one is blurred than the other: a reference's error goes over to
