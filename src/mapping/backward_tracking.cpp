@@ -6,8 +6,14 @@
 #include <utility>
 
 #include "mba_vo/mapping/kinematic_blur.h"
+#include "mba_vo/mapping/local_map.h"
 
 namespace mba_vo {
+namespace {
+
+constexpr KeyframeId kSettledKeyframe = 4;  // from this one on the first keyframe's points have good depths
+
+}  // namespace
 
 Vector6 referenceVelocity(const InitialMap& initial) {
   const std::int64_t origin_ns = initial.reference->mid_exposure_ns;
@@ -35,14 +41,23 @@ TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameCons
 }
 
 BackwardTracking::BackwardTracking(const MapperConfig& config, std::unique_ptr<InitialMap> initial,
-                                   const MotionState& start, const std::vector<FrameConstPtr>& frames)
+                                   const MotionState& start, const std::vector<FrameConstPtr>& frames,
+                                   ReferenceConstPtr first_keyframe)
     : tracker_(config.tracker),
       unknown_exposure_(config.tracker.unknown_exposure),
       initial_(std::move(initial)),
+      first_keyframe_(std::move(first_keyframe)),
       motion_(start) {
   const std::int64_t origin_ns = initial_->reference->mid_exposure_ns;
   const auto before = [&](const FrameConstPtr& frame) { return frame->mid_exposure_ns < origin_ns; };
   std::copy_if(frames.begin(), frames.end(), std::back_inserter(frames_), before);
+}
+
+bool BackwardTracking::isReady(const LocalMap& map) const { return map.newestKeyframe() >= kSettledKeyframe; }
+
+void BackwardTracking::update(LocalMap& map) {
+  const KeyframeId keyframe = first_keyframe_->id.keyframe_id;
+  if (map.has(keyframe) && map.newestKeyframe() <= kSettledKeyframe) first_keyframe_ = map.makeReference(keyframe);
 }
 
 TrackingGuess BackwardTracking::guessFor(const Frame& frame) const {
@@ -54,10 +69,10 @@ TrackingGuess BackwardTracking::guessFor(const Frame& frame) const {
   return guess;
 }
 
-TrackedFrame BackwardTracking::next(const Reference& reference) {
+TrackedFrame BackwardTracking::next() {
   const FrameConstPtr frame = std::move(frames_.back());
   frames_.pop_back();
-  TrackedFrame tracked = tracker_.track(reference, frame, guessFor(*frame));
+  TrackedFrame tracked = tracker_.track(*first_keyframe_, frame, guessFor(*frame));
   if (tracked.tracked()) {
     motion_.update(tracked);
     brightness_ = tracked.brightness;

@@ -9,8 +9,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr KeyframeId kSettledKeyframe = 4;  // from this one on the first keyframe's points have good depths
-constexpr int kFramesUntilResend = 15;      // the first reference may still be on its way for a while
+constexpr int kFramesUntilResend = 15;  // the first reference may still be on its way for a while
 
 }  // namespace
 
@@ -44,7 +43,7 @@ class Mapper::Impl {
   bool hasDeferredWork() const { return backward_ && !backward_->done(); }
 
   bool doDeferredWork() {
-    if (!hasDeferredWork() || map_->newestKeyframe() < kSettledKeyframe) return false;
+    if (!hasDeferredWork() || !backward_->isReady(*map_)) return false;
     trackBackwards();
     return true;
   }
@@ -69,7 +68,6 @@ class Mapper::Impl {
     initial_frames_.clear();
     candidate_.reset();
     backward_.reset();
-    first_keyframe_.reset();
     motion_ = {};
     last_ = {};
   }
@@ -143,22 +141,14 @@ class Mapper::Impl {
     reference->hint = TrackingHint{frame->sequence, frame->mid_exposure_ns, start};
     reference_ = reference;
     integrate(referenceItself(*reference, frame, start));
-    backward_.emplace(config_, std::move(initial), MotionState(start, frame->mid_exposure_ns), initial_frames_);
+    backward_.emplace(config_, std::move(initial), MotionState(start, frame->mid_exposure_ns), initial_frames_,
+                      reference_);
     recovery_.keep(*reference_, *frame, *map_);
-    first_keyframe_ = reference_;
     return reference;
   }
 
-  /// While the first keyframe is in the window, its points get better.
-  void updateFirstKeyframe() {
-    if (!first_keyframe_ || !map_->has(first_keyframe_->id.keyframe_id)) return;
-    if (map_->newestKeyframe() <= kSettledKeyframe) {
-      first_keyframe_ = map_->makeReference(first_keyframe_->id.keyframe_id);
-    }
-  }
-
   void trackBackwards() {
-    const TrackedFrame tracked = backward_->next(*first_keyframe_);
+    const TrackedFrame tracked = backward_->next();
     if (tracked.tracked()) store_.addFrame(tracked);
   }
 
@@ -200,7 +190,7 @@ class Mapper::Impl {
     reference_ = reference;
     recovery_.keep(*reference_, *candidate->frame, *map_);
     store_.makeKeyframe(*candidate, reference_->id.map_id, reference_->id.keyframe_id);
-    updateFirstKeyframe();
+    if (backward_) backward_->update(*map_);
     return report;
   }
 
@@ -282,9 +272,8 @@ class Mapper::Impl {
   std::vector<MapPoint> old_points_;  // of earlier windows of this map
   KinematicBlur motion_;
   std::optional<BackwardTracking> backward_;
-  ReferenceConstPtr first_keyframe_;  // for the frames before it
-  TrackedFrameConstPtr candidate_;    // becomes a keyframe with the next frame
-  TrackingHint last_;                 // the newest tracked frame, relative to last_keyframe_
+  TrackedFrameConstPtr candidate_;  // becomes a keyframe with the next frame
+  TrackingHint last_;               // the newest tracked frame, relative to last_keyframe_
   KeyframeId last_keyframe_ = 0;
   int frames_without_reference_ = 0;
 };

@@ -30,7 +30,7 @@ class BackwardTrackingTest : public testing::Test {
     initial->reference = frame(kReference);
     const Vector6 velocity = (reference_.T_world_start.inverse() * reference_.T_world_end).log() / reference_.exposure;
     const MotionState start({SE3(), velocity, reference_.exposure}, reference_.mid_exposure_ns);
-    return BackwardTracking(MapperConfig(), std::move(initial), start, frames);
+    return BackwardTracking(MapperConfig(), std::move(initial), start, frames, snapshot_);
   }
 
   SE3 truth(int index) const { return reference_.T_world_mid.inverse() * render(index).T_world_mid; }
@@ -45,7 +45,7 @@ TEST_F(BackwardTrackingTest, GoesBackToTheFirstFrame) {
   BackwardTracking backward = begin(frames);
   for (int i = kReference - 1; i >= 0; --i) {
     ASSERT_FALSE(backward.done());
-    const TrackedFrame tracked = backward.next(*snapshot_);
+    const TrackedFrame tracked = backward.next();
     ASSERT_TRUE(tracked.tracked()) << tracked.reason;
     EXPECT_EQ(tracked.frame->sequence, frames.at(static_cast<std::size_t>(i))->sequence);
     EXPECT_LT((truth(i).inverse() * tracked.trajectory.T_reference_mid).log().norm(), 5e-3) << "frame " << i;
@@ -57,8 +57,8 @@ TEST_F(BackwardTrackingTest, EndsWithTheFirstFrameThatIsLost) {
   std::vector<FrameConstPtr> frames;
   for (int i = 0; i < kReference; ++i) frames.push_back(i == kReference - 2 ? blank(i) : frame(i));
   BackwardTracking backward = begin(frames);
-  EXPECT_TRUE(backward.next(*snapshot_).tracked());
-  EXPECT_FALSE(backward.next(*snapshot_).tracked());
+  EXPECT_TRUE(backward.next().tracked());
+  EXPECT_FALSE(backward.next().tracked());
   EXPECT_TRUE(backward.done());
 }
 

@@ -1,18 +1,21 @@
 #include "mba_vo/mapping/depth_search.h"
 
-#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "mapping/depth_statistics.h"
 #include "mapping/textured_wall_scene.h"
 #include "mba_vo/image/point_selector.h"
 
 namespace mba_vo {
 namespace {
 
+using test::DepthStatistics;
+using test::evaluateDepths;
 using test::PlaneScene;
 using test::WaveTexture;
 using State = ImmaturePoint::State;
@@ -39,34 +42,6 @@ std::vector<ImmaturePoint> choosePoints(const ImagePyramid& host, int count) {
   return points;
 }
 
-struct Statistics {
-  int good = 0;               // points with an upper bound of their inverse depth and quality
-  double accurate = 0.0;      // fraction of the good ones within the tolerance
-  double contained = 0.0;     // fraction of the good ones whose interval contains the truth
-  double median_error = 0.0;  // relative
-};
-
-Statistics evaluate(const PlaneScene& scene, const std::vector<ImmaturePoint>& points, double tolerance) {
-  Statistics result;
-  std::vector<double> errors;
-  for (const ImmaturePoint& point : points) {
-    if (!point.hasDepth() || point.state == State::kOutlier || point.quality < 3.0) continue;
-    const double truth = scene.inverseDepth(SE3(), point.pixel.cast<double>());
-    errors.push_back(std::abs(point.inverseDepth() / truth - 1.0));
-    result.accurate += errors.back() < tolerance;
-    result.contained += point.inverse_depth_min <= truth && truth <= point.inverse_depth_max;
-  }
-  if (errors.empty()) return result;
-  const auto n = static_cast<double>(errors.size());
-  result.good = static_cast<int>(errors.size());
-  result.accurate /= n;
-  result.contained /= n;
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  result.median_error = *middle;
-  return result;
-}
-
 /// Frames of a camera that moves away from the host, ever further.
 std::vector<ExposureTrajectory> receding(int count, double xi_scale = 0.0) {
   std::vector<ExposureTrajectory> trajectories;
@@ -89,7 +64,7 @@ TEST(DepthSearch, ConvergesOnASlantedWall) {
     const DepthSearcher searcher(host, frame, T_host, 1.0, 0.0, {});
     for (ImmaturePoint& point : points) searcher.search(point);
   }
-  const Statistics statistics = evaluate(scene, points, 0.02);
+  const DepthStatistics statistics = evaluateDepths(scene, points, 0.02);
   EXPECT_GT(statistics.good, static_cast<int>(points.size()) * 7 / 10);
   EXPECT_GT(statistics.accurate, 0.9);
   EXPECT_GT(statistics.contained, 0.95);
@@ -112,7 +87,7 @@ TEST(DepthSearch, IntervalsContainTheTruthAlsoWithErroneousPoses) {
     const DepthSearcher searcher(host, frame, believed, 1.0, 0.0, {});
     for (ImmaturePoint& point : points) searcher.search(point);
   }
-  const Statistics statistics = evaluate(scene, points, 0.05);
+  const DepthStatistics statistics = evaluateDepths(scene, points, 0.05);
   EXPECT_GT(statistics.good, static_cast<int>(points.size()) * 6 / 10);
   EXPECT_GT(statistics.contained, 0.95);
   EXPECT_GT(statistics.accurate, 0.9);
@@ -128,8 +103,8 @@ TEST(DepthSearch, UsesGainAndOffset) {
   std::vector<ImmaturePoint> untold = told;
   for (ImmaturePoint& point : told) searchDepth(host, darker, T_host, 0.6, 20.0, {}, point);
   for (ImmaturePoint& point : untold) searchDepth(host, darker, T_host, 1.0, 0.0, {}, point);
-  EXPECT_GT(evaluate(scene, told, 0.1).good, 2 * evaluate(scene, untold, 0.1).good);
-  EXPECT_GT(evaluate(scene, told, 0.1).accurate, 0.85);
+  EXPECT_GT(evaluateDepths(scene, told, 0.1).good, 2 * evaluateDepths(scene, untold, 0.1).good);
+  EXPECT_GT(evaluateDepths(scene, told, 0.1).accurate, 0.85);
 }
 
 TEST(DepthSearch, RejectsOccludedPoints) {
@@ -288,8 +263,8 @@ TEST(DepthSearch, FindsDepthInBlurredFrames) {
     for (ImmaturePoint& point : with_blur) searchDepth(host, frame, T_host, 1.0, 0.0, {}, point);
     for (ImmaturePoint& point : without_blur) searchDepth(host, frame, T_host, 1.0, 0.0, sharp_only, point);
   }
-  const Statistics blurred = evaluate(scene, with_blur, 0.05);
-  const Statistics sharp = evaluate(scene, without_blur, 0.05);
+  const DepthStatistics blurred = evaluateDepths(scene, with_blur, 0.05);
+  const DepthStatistics sharp = evaluateDepths(scene, without_blur, 0.05);
   EXPECT_GT(blurred.good, static_cast<int>(with_blur.size()) * 7 / 10);
   EXPECT_GT(blurred.accurate, 0.9);
   EXPECT_GT(blurred.contained, 0.95);

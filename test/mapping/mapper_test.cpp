@@ -1,64 +1,24 @@
 #include "mba_vo/mapping/mapper.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <set>
+#include <string>
 
 #include <gtest/gtest.h>
-#include <opencv2/core.hpp>
 
-#include "support/rendered_sequence.h"
+#include "mapping/mapper_fixture.h"
 
 namespace mba_vo {
 namespace {
 
-constexpr int kFrames = 60;
-
-/// Sharp images are enough to tell what the mapper does with its input.
-const std::vector<FrameConstPtr>& frames() {
-  static const std::vector<FrameConstPtr> frames =
-      test::toFrames(test::renderFrames(test::sequenceConfig(0.0), 0, kFrames), true, 0.0);
-  return frames;
-}
-
-MapperConfig config() {
-  MapperConfig c;
-  c.deterministic = true;
-  return c;
-}
-
-TrackedFrameConstPtr report(const FrameConstPtr& frame, TrackingStatus status, const ReferenceId& reference = {},
-                            const SE3& T_reference_mid = {}) {
-  auto tracked = std::make_shared<TrackedFrame>();
-  tracked->frame = frame;
-  tracked->status = status;
-  tracked->reference = reference;
-  tracked->trajectory.T_reference_mid = T_reference_mid;
-  return tracked;
-}
-
-/// Frames of other times: the same images, `seconds` later.
-FrameConstPtr shifted(const FrameConstPtr& frame, double seconds) {
-  auto copy = std::make_shared<Frame>(*frame);
-  copy->sequence += 1000;
-  copy->mid_exposure_ns += std::llround(1e9 * seconds);
-  copy->stamp_ns = copy->mid_exposure_ns;
-  return copy;
-}
-
-/// Feeds frames that no tracker could track, until there is a map.
-struct Initialised {
-  MapperOutput output;
-  int frames_used = 0;
-};
-Initialised initialise(Mapper& mapper, double shift = 0.0) {
-  Initialised result;
-  for (const FrameConstPtr& frame : frames()) {
-    ++result.frames_used;
-    result.output = mapper.process(report(shift == 0.0 ? frame : shifted(frame, shift), TrackingStatus::kInitializing));
-    if (result.output.reference) return result;
-  }
-  ADD_FAILURE() << "no map: " << result.output.message;
-  return result;
-}
+using test::config;
+using test::frames;
+using test::initialise;
+using test::Initialised;
+using test::report;
+using test::shifted;
 
 TEST(Mapper, SaysWhyThereIsNoMapYet) {
   Mapper mapper(config());
@@ -143,30 +103,6 @@ TEST(Mapper, ATrackedFrameEntersTheTrajectoryAndALostOneDoesNot) {
   EXPECT_LT((trajectory.back().trajectory.T_reference_mid.inverse() * expected).log().norm(), 1e-9);
 }
 
-/// The same time and another place: an image that no keyframe looks like.
-FrameConstPtr elsewhere(const FrameConstPtr& frame) {
-  auto copy = std::make_shared<Frame>(*frame);
-  cv::Mat1f mirrored;
-  cv::flip(frame->pyramid.level(0).intensity, mirrored, -1);
-  copy->pyramid = ImagePyramid(mirrored, frame->pyramid.level(0).camera, frame->pyramid.levels());
-  return copy;
-}
-
-/// Reports frames as lost, or as waiting for a map once the tracker has given up, every 40 ms for so long.
-std::string loseFor(Mapper& mapper, double seconds, double tracker_gives_up_after, bool blind = false) {
-  std::string messages;
-  static const FrameConstPtr unknown = elsewhere(frames().back());
-  for (double t = 0.0; t <= seconds; t += 0.04) {
-    const FrameConstPtr frame = shifted(unknown, 10.0 + t);
-    const bool given_up = t >= tracker_gives_up_after;
-    const auto status = given_up ? TrackingStatus::kInitializing : TrackingStatus::kLost;
-    auto tracked = std::make_shared<TrackedFrame>(*report(frame, status));
-    tracked->blind = blind;
-    messages += mapper.process(tracked).message;
-  }
-  return messages;
-}
-
 /// Feeds `count` frames that see the reference badly, turned away by 0.1 rad more each; true if a keyframe comes of
 /// them.
 bool turnsIntoKeyframe(Mapper& mapper, const Initialised& initial, bool provisional, int count) {
@@ -195,30 +131,6 @@ TEST(Mapper, AProvisionalFrameIsOnlyForTheTrajectory) {
   EXPECT_EQ(mapper.trajectory().size(), before + 3);
 }
 
-TEST(Mapper, AMapThatContradictsItsImagesIsGivenUpAndItsPosesForgotten) {
-  MapperConfig demanding = config();
-  demanding.health.wrong_error = 0.1;  // [px] no map is as good as that
-  Mapper mapper(demanding);
-  const Initialised initial = initialise(mapper);
-  ASSERT_NE(initial.output.reference, nullptr);
-  const MapId map = initial.output.reference->id.map_id;
-  EXPECT_FALSE(mapper.trajectory().empty());
-  MapperOutput output;
-  for (int i = 0; i < 3 && !output.keyframe; ++i) {
-    Vector6 turn = Vector6::Zero();
-    turn(4) = 0.1 * (i + 1);
-    const FrameConstPtr& next = frames().at(static_cast<std::size_t>(initial.frames_used + i));
-    output = mapper.process(report(next, TrackingStatus::kTracking, initial.output.reference->id, SE3::exp(turn)));
-  }
-  ASSERT_TRUE(output.keyframe);
-  EXPECT_NE(output.message.find("map 1 was given up"), std::string::npos) << output.message;
-  for (const TrajectoryEntry& entry : mapper.trajectory()) EXPECT_NE(entry.map_id, map);
-  // The tracker is told, by the next map if the frames of the beginning make one.
-  ASSERT_NE(output.reference, nullptr);
-  EXPECT_TRUE(!output.reference->withdrawn.empty() || output.reference->id.map_id > map);
-  EXPECT_TRUE(output.reference->withdrawn.empty() || output.reference->id.map_id == map);
-}
-
 TEST(Mapper, AFrameThatComesAgainGetsItsNewPoseOnly) {
   Mapper mapper(config());
   const Initialised initial = initialise(mapper);
@@ -243,78 +155,6 @@ TEST(Mapper, AFrameThatComesAgainGetsItsNewPoseOnly) {
   // In vain: what is there stays.
   mapper.process(report(first, TrackingStatus::kLost));
   EXPECT_NEAR(pose(first).translation().x(), 0.01, 1e-9);
-}
-
-TEST(Mapper, BeingLostForLongBeginsANewMapWithANewId) {
-  Mapper mapper(config());
-  ASSERT_NE(initialise(mapper).output.reference, nullptr);
-  const std::size_t before = mapper.trajectory().size();
-  loseFor(mapper, 0.8, 1e9);
-  EXPECT_NE(mapper.currentReference(), nullptr) << "not lost for long yet";
-  const std::string messages = loseFor(mapper, 1.3, 1e9);
-  EXPECT_NE(messages.find("lost"), std::string::npos) << messages;
-  EXPECT_EQ(mapper.currentReference(), nullptr);
-  const Initialised again = initialise(mapper, 20.0);
-  ASSERT_NE(again.output.reference, nullptr);
-  EXPECT_EQ(again.output.reference->id.map_id, 2U);
-  const auto trajectory = mapper.trajectory();
-  EXPECT_GT(trajectory.size(), before);
-  EXPECT_EQ(trajectory.front().map_id, 1U);
-  EXPECT_EQ(trajectory.back().map_id, 2U);
-}
-
-TEST(Mapper, GivesUpItsMapTogetherWithTheTracker) {
-  // The tracker, lost for as long, reports INITIALIZING from then on: the mapper must not wait for one more LOST.
-  Mapper mapper(config());
-  ASSERT_NE(initialise(mapper).output.reference, nullptr);
-  loseFor(mapper, 1.3, config().restart_after_lost);
-  EXPECT_EQ(mapper.currentReference(), nullptr);
-}
-
-TEST(Mapper, ACoveredLensCostsNoMap) {
-  Mapper mapper(config());
-  ASSERT_NE(initialise(mapper).output.reference, nullptr);
-  loseFor(mapper, 3.0, 1e9, true);
-  EXPECT_NE(mapper.currentReference(), nullptr);
-}
-
-TEST(Mapper, FindsALostCameraByItsKeyframes) {
-  Mapper mapper(config());
-  const Initialised initial = initialise(mapper);
-  ASSERT_NE(initial.output.reference, nullptr);
-  mapper.finishDeferredWork();
-  const std::uint64_t first = initial.output.reference->hint->frame_sequence - frames()[0]->sequence;
-  const auto trajectory = mapper.trajectory();
-  ReferenceConstPtr found;
-  for (std::size_t i = 0; i < 10 && !found; ++i) {
-    const FrameConstPtr frame =
-        shifted(frames().at(static_cast<std::size_t>(first) - i - 1), 10.0 + 0.08 * static_cast<double>(i));
-    found = mapper.process(report(frame, TrackingStatus::kLost)).reference;
-    if (!found) continue;
-    ASSERT_TRUE(found->hint);
-    EXPECT_EQ(found->hint->frame_sequence, frame->sequence);
-    EXPECT_EQ(found->id.map_id, initial.output.reference->id.map_id);
-    const SE3 T_map_frame = found->T_map_reference * found->hint->trajectory.T_reference_mid;
-    for (const TrajectoryEntry& entry : trajectory) {  // where it was tracked backwards
-      if (entry.frame_sequence + 1000 != frame->sequence) continue;
-      EXPECT_LT((T_map_frame.inverse() * entry.trajectory.T_reference_mid).log().norm(), 0.01);
-    }
-  }
-  EXPECT_NE(found, nullptr);
-}
-
-TEST(Mapper, ATrackedFrameEndsBeingLost) {
-  Mapper mapper(config());
-  const Initialised initial = initialise(mapper);
-  ASSERT_NE(initial.output.reference, nullptr);
-  const Reference& reference = *initial.output.reference;
-  for (int i = 0; i < 5; ++i) {
-    const double t = 10.0 + 0.7 * i;
-    mapper.process(report(shifted(frames()[0], t), TrackingStatus::kLost));
-    mapper.process(report(shifted(frames()[1], t), TrackingStatus::kTracking, reference.id,
-                          reference.hint->trajectory.T_reference_mid));
-  }
-  EXPECT_NE(mapper.currentReference(), nullptr);
 }
 
 TEST(Mapper, ARestartedTrackerIsGivenTheCurrentReferenceAgain) {

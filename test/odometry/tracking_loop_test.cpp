@@ -1,91 +1,29 @@
 #include "mba_vo/odometry/tracking_loop.h"
 
-#include <opencv2/imgproc.hpp>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
 
 #include <gtest/gtest.h>
 
-#include "mba_vo/odometry/tracking_results.h"
+#include "odometry/tracking_loop_fixture.h"
 #include "support/rendered_room.h"
 
 namespace mba_vo {
 namespace {
 
-constexpr int kFirst = 40;  // of the frames in use
-constexpr int kCount = 16;
-
-const std::vector<SimulatedFrame>& views() {
-  static const std::vector<SimulatedFrame> views = [] {
-    std::vector<SimulatedFrame> v;
-    for (int i = 0; i < kCount; ++i) v.push_back(test::roomSimulator().render(kFirst + i));
-    return v;
-  }();
-  return views;
-}
-
-const SimulatedFrame& view(int index) { return views().at(static_cast<std::size_t>(index)); }
-FrameConstPtr frame(int index) { return test::makeFrame(view(index), view(index).exposure); }
-
-SE3 truth(int from, int to) { return view(from).T_world_mid.inverse() * view(to).T_world_mid; }
-
-ExposureTrajectory trueTrajectory(int reference, int index) {
-  const SimulatedFrame& v = view(index);
-  return {truth(reference, index), (v.T_world_start.inverse() * v.T_world_end).log() / v.exposure, v.exposure};
-}
-
-/// Reference with true depths about a frame, at `T_map_reference`; the hint tells of frame `hint`.
-std::shared_ptr<Reference> makeReference(MapId map, KeyframeId keyframe, int index, const SE3& T_map_reference,
-                                         std::optional<int> hint = {}) {
-  auto reference = test::makeReference(view(index), test::toFloat(view(index).sharp));
-  reference->id = {map, keyframe, 0};
-  reference->T_map_reference = T_map_reference;
-  reference->T_map_keyframe = {{keyframe, T_map_reference}};
-  if (hint) reference->hint = {view(*hint).id, view(*hint).mid_exposure_ns, trueTrajectory(index, *hint)};
-  return reference;
-}
-
-/// Takes the reference and tracks all that waited for it.
-std::vector<TrackedFrameConstPtr> adopt(TrackingLoop& loop, const ReferenceConstPtr& reference) {
-  std::vector<TrackedFrameConstPtr> late;
-  if (!loop.take(reference)) return late;
-  while (TrackedFrameConstPtr tracked = loop.trackWaiting()) late.push_back(std::move(tracked));
-  return late;
-}
-
-SE3 someCorrection() {
-  Vector6 correction;
-  correction << 0.3, -0.2, 0.1, 0.05, 0.2, -0.1;
-  return SE3::exp(correction);
-}
-
-double distance(const SE3& a, const SE3& b) { return (a.inverse() * b).log().norm(); }
-
-/// 5 mm and 5 mrad: about a pixel.
-constexpr double kClose = 5e-3;
-
-FrameConstPtr later(const cv::Mat1f& image, double seconds_later) {
-  return test::makeFrame(image, view(kCount - 1).mid_exposure_ns + std::llround(1e9 * seconds_later), 0.02, 500);
-}
-
-/// An image that shows nothing.
-FrameConstPtr blank(double seconds_later) { return later(cv::Mat1f(240, 376, 90.0F), seconds_later); }
-
-/// An image of another place; no two are the same.
-FrameConstPtr elsewhere(double seconds_later) {
-  static int seed = 0;
-  cv::Mat1f image(240, 376);
-  cv::RNG(static_cast<std::uint64_t>(++seed)).fill(image, cv::RNG::NORMAL, 100.0, 60.0);
-  cv::blur(image, image, {9, 9});
-  return later(test::scaled(image, 4.0, -300.0), seconds_later);
-}
-
-/// Asks for keyframes early, so that a few frames are enough to leave a reference's view.
-OdometryConfig demanding() {
-  OdometryConfig config;
-  config.keyframe.flow_px = 5.0;
-  config.keyframe.parallax_px = 5.0;
-  config.keyframe.patience = 0.0;
-  return config;
-}
+using test::adopt;
+using test::demanding;
+using test::distance;
+using test::expectConsistent;
+using test::frame;
+using test::kClose;
+using test::kCount;
+using test::makeReference;
+using test::someCorrection;
+using test::truth;
+using test::view;
 
 TEST(TrackingLoop, AnUnknownExposureIsLearntAndTheFramesCarryIt) {
   TrackingLoop loop{OdometryConfig()};
@@ -149,31 +87,6 @@ TEST(TrackingLoop, AReferenceWithoutAHintIsOfNoUseToBeginWith) {
   EXPECT_EQ(loop.process(frame(1))->status, TrackingStatus::kInitializing);
 }
 
-TEST(TrackingLoop, FramesThatWaitedAreTrackedFromTheHintOn) {
-  TrackingLoop loop{OdometryConfig()};
-  for (int i = 0; i <= 5; ++i) loop.process(frame(i));
-  const auto late = adopt(loop, makeReference(1, 0, 0, someCorrection(), 2));
-  ASSERT_EQ(late.size(), 3U);  // frames 3, 4 and 5
-  for (int i = 3; i <= 5; ++i) {
-    const TrackedFrame& tracked = *late.at(static_cast<std::size_t>(i - 3));
-    EXPECT_EQ(tracked.frame->sequence, view(i).id);
-    EXPECT_EQ(tracked.status, TrackingStatus::kTracking) << tracked.reason;
-    EXPECT_EQ(tracked.reference.map_id, 1U);
-    EXPECT_LT(distance(tracked.trajectory.T_reference_mid, truth(0, i)), kClose);
-  }
-  // Once is enough.
-  EXPECT_TRUE(adopt(loop, makeReference(1, 0, 0, someCorrection())).empty());
-  const TrackedFrameConstPtr next = loop.process(frame(6));
-  EXPECT_EQ(next->status, TrackingStatus::kTracking);
-  EXPECT_LT(distance(next->trajectory.T_reference_mid, truth(0, 6)), kClose);
-}
-
-/// T_map_odom T_odom_camera is where the camera is in the map, by its reference.
-void expectConsistent(const TrackingLoop& loop, const TrackedFrame& tracked) {
-  const SE3 T_map_camera = loop.reference()->T_map_reference * tracked.trajectory.T_reference_mid;
-  EXPECT_LT(distance(loop.T_map_odom() * loop.T_odom_camera(), T_map_camera), 1e-9);
-}
-
 TEST(TrackingLoop, OdometryDoesNotJumpWhenTheMapIsCorrected) {
   TrackingLoop loop{OdometryConfig()};
   adopt(loop, makeReference(1, 0, 0, SE3(), 0));
@@ -225,100 +138,6 @@ TEST(TrackingLoop, AReferenceOfAnotherMapWithoutAHintChangesNothing) {
   EXPECT_EQ(loop.process(frame(2))->reference.map_id, 1U);
 }
 
-TEST(TrackingLoop, BeginsANewMapAfterBeingLostAndOdometryGoesOnFromThere) {
-  const OdometryConfig config;
-  TrackingLoop loop(config);
-  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
-  for (int i = 1; i <= 3; ++i) loop.process(frame(i));
-  const SE3 last = loop.T_odom_camera();
-  for (double t = 0.0; t < config.mapper.restart_after_lost - 0.01; t += 0.2) {
-    const TrackedFrameConstPtr tracked = loop.process(elsewhere(t));
-    EXPECT_EQ(tracked->status, TrackingStatus::kLost) << t;
-    EXPECT_FALSE(tracked->reason.empty());
-  }
-  EXPECT_EQ(loop.process(elsewhere(config.mapper.restart_after_lost))->status, TrackingStatus::kLost);
-  EXPECT_EQ(loop.process(elsewhere(config.mapper.restart_after_lost + 0.2))->status, TrackingStatus::kInitializing);
-  EXPECT_EQ(loop.reference(), nullptr);
-  EXPECT_LT(distance(loop.T_odom_camera(), last), 1e-12);
-  adopt(loop, makeReference(2, 0, 6, someCorrection(), 6));
-  EXPECT_LT(distance(loop.T_odom_camera(), last), 1e-12);
-  const TrackedFrameConstPtr tracked = loop.process(frame(7));
-  EXPECT_TRUE(tracked->tracked()) << tracked->reason;
-  EXPECT_EQ(tracked->reference.map_id, 2U);
-  EXPECT_LT(distance(last.inverse() * loop.T_odom_camera(), truth(6, 7)), kClose);
-  expectConsistent(loop, *tracked);
-}
-
-TEST(TrackingLoop, ACoveredLensCostsNoMap) {
-  TrackingLoop loop{OdometryConfig()};
-  const ReferenceConstPtr reference = makeReference(1, 0, 0, SE3(), 0);
-  adopt(loop, reference);
-  loop.process(frame(1));
-  for (double t = 0.0; t < 3.0; t += 0.2) {
-    const TrackedFrameConstPtr tracked = loop.process(blank(t));
-    EXPECT_EQ(tracked->status, TrackingStatus::kLost);
-    EXPECT_TRUE(tracked->blind);
-    EXPECT_NE(tracked->reason.find("covered"), std::string::npos) << tracked->reason;
-  }
-  EXPECT_EQ(loop.reference(), reference);
-}
-
-TEST(TrackingLoop, AFrozenImageIsNoMeasurementForLong) {
-  TrackingLoop loop{OdometryConfig()};
-  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
-  EXPECT_TRUE(loop.process(frame(1))->tracked());
-  const cv::Mat1f frozen = test::toFloat(view(2).blurred);
-  const std::int64_t since = view(2).mid_exposure_ns;
-  for (int i = 0; i < 10; ++i) {
-    const TrackedFrameConstPtr tracked = loop.process(test::makeFrame(frozen, since + i * 33000000LL, 0.02, 300));
-    EXPECT_EQ(tracked->tracked(), i < 5) << "a recorder may write an image twice; " << i;
-    EXPECT_EQ(tracked->blind, i >= 5);
-    if (i > 0 && i < 5) {
-      EXPECT_EQ(tracked->status, TrackingStatus::kDegraded) << "the pose is that of the first";
-    }
-  }
-}
-
-TEST(TrackingLoop, GoesOnFromWhereTheMapperFoundIt) {
-  TrackingLoop loop{OdometryConfig()};
-  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
-  loop.process(frame(1));
-  const SE3 T_odom_first = loop.T_odom_camera() * truth(1, 0);
-  for (int i = 2; i < 6; ++i) {  // somewhere else in the meantime
-    EXPECT_EQ(
-        loop.process(test::makeFrame(elsewhere(0.0)->pyramid.level(0).intensity, view(i).mid_exposure_ns, 0.02, 400))
-            ->status,
-        TrackingStatus::kLost);
-  }
-  // The mapper has seen frame 10 with keyframe 3; frame 11 came in the meantime.
-  const TrackedFrameConstPtr lost = loop.process(frame(11));
-  auto reference = makeReference(1, 3, 9, truth(0, 9), 10);
-  reference->T_map_keyframe[0] = SE3();
-  const auto again = adopt(loop, reference);
-  const TrackedFrameConstPtr tracked = loop.process(frame(12));
-  EXPECT_EQ(tracked->status, TrackingStatus::kTracking) << tracked->reason;
-  EXPECT_LT(distance(tracked->trajectory.T_reference_mid, truth(9, 12)), kClose);
-  if (!lost->tracked()) {
-    EXPECT_EQ(again.size(), 1U) << "the lost frame after the hint is tracked again";
-  }
-  // The way there was not seen, but it is known now: odometry is where the map says.
-  EXPECT_LT(distance(loop.T_odom_camera(), T_odom_first * truth(0, 12)), 2 * kClose);
-}
-
-TEST(TrackingLoop, AfterALossAPoorPoseIsNone) {
-  TrackedFrame poor;
-  poor.status = TrackingStatus::kDegraded;
-  poor.inlier_fraction = 0.7;
-  judgeFirstAfterLoss(TrackerConfig(), poor);
-  EXPECT_EQ(poor.status, TrackingStatus::kLost);
-  TrackedFrame good;
-  good.status = TrackingStatus::kTracking;
-  good.inlier_fraction = 0.9;
-  judgeFirstAfterLoss(TrackerConfig(), good);
-  EXPECT_EQ(good.status, TrackingStatus::kDegraded);
-  EXPECT_FALSE(good.reason.empty());
-}
-
 TEST(TrackingLoop, LeavesAMapThatWasGivenUp) {
   TrackingLoop loop{OdometryConfig()};
   adopt(loop, makeReference(1, 0, 0, SE3(), 0));
@@ -360,18 +179,6 @@ TEST(TrackingLoop, FollowsAChangeOfBrightnessByEight) {
   }
 }
 
-TEST(TrackingLoop, FindsItselfAgainIfItIsNotLostForLong) {
-  TrackingLoop loop{OdometryConfig()};
-  adopt(loop, makeReference(1, 0, 3, SE3(), 3));
-  loop.process(frame(4));
-  EXPECT_EQ(loop.process(test::makeFrame(cv::Mat1f(240, 376, 90.0F), view(5).mid_exposure_ns, 0.02))->status,
-            TrackingStatus::kLost);
-  const TrackedFrameConstPtr tracked = loop.process(frame(6));
-  EXPECT_EQ(tracked->status, TrackingStatus::kDegraded) << "by prediction alone, so far";
-  EXPECT_LT(distance(tracked->trajectory.T_reference_mid, truth(3, 6)), kClose);
-  EXPECT_EQ(loop.process(frame(7))->status, TrackingStatus::kTracking);
-}
-
 TEST(TrackingLoop, ResetForgetsReferenceAndWaitingFrames) {
   TrackingLoop loop{OdometryConfig()};
   loop.process(frame(0));
@@ -383,98 +190,6 @@ TEST(TrackingLoop, ResetForgetsReferenceAndWaitingFrames) {
   EXPECT_EQ(loop.process(frame(2))->status, TrackingStatus::kInitializing);
   loop.reset();
   EXPECT_TRUE(adopt(loop, makeReference(2, 0, 0, SE3(), 0)).empty());
-}
-
-TEST(TrackingLoop, WaitingFramesHoldForTheKeyframeTheyAskedFor) {
-  TrackingLoop loop(demanding());
-  for (int i = 0; i <= 10; ++i) loop.process(frame(i));
-  loop.take(makeReference(1, 0, 0, SE3(), 0));
-  TrackedFrameConstPtr asking;
-  while (!asking || !asking->keyframe_requested) {
-    asking = loop.trackWaiting();
-    ASSERT_NE(asking, nullptr) << "no frame asked";
-  }
-  // One more, by which the mapper can make the keyframe, and no other before it is there.
-  const TrackedFrameConstPtr one_more = loop.trackWaiting();
-  ASSERT_NE(one_more, nullptr);
-  const auto next = static_cast<int>(one_more->frame->sequence - view(0).id) + 1;
-  ASSERT_LT(next, 11);
-  EXPECT_EQ(loop.trackWaiting(), nullptr);
-  EXPECT_EQ(loop.waitingFrames(), static_cast<std::size_t>(11 - next));
-  EXPECT_EQ(loop.process(frame(11))->status, TrackingStatus::kInitializing);  // it waits behind the others
-  EXPECT_EQ(loop.trackWaiting(), nullptr);
-
-  auto reference = makeReference(1, 1, next - 2, truth(0, next - 2));
-  reference->T_map_keyframe[0] = SE3();
-  EXPECT_FALSE(adopt(loop, reference).empty());
-  // If it does not come, frames of 0.3 s later are no longer held up.
-  int i = 12;
-  while (loop.waitingFrames() > 0 && i < kCount) {
-    loop.process(frame(i++));
-    while (loop.trackWaiting()) {
-    }
-  }
-  const TrackedFrameConstPtr at_last = loop.process(elsewhere(0.35));
-  EXPECT_EQ(at_last->status, loop.waitingFrames() > 0 ? TrackingStatus::kInitializing : TrackingStatus::kLost);
-  while (loop.trackWaiting()) {
-  }
-  EXPECT_EQ(loop.waitingFrames(), 0U);
-}
-
-TEST(TrackingLoop, FramesThatSawTheirReferenceBadlyAreTrackedAgainAgainstTheNext) {
-  constexpr int kLast = 9;
-  constexpr int kKeyframe = 5;
-  TrackingLoop loop(demanding());
-  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
-  std::vector<TrackedFrameConstPtr> first;
-  for (int i = 1; i <= kLast; ++i) first.push_back(loop.process(frame(i)));
-  // The mapper gets a few frames to make the keyframe of, and the rest when they are seen better.
-  EXPECT_FALSE(first.front()->provisional);
-  EXPECT_TRUE(first.back()->provisional);
-  const SE3 odometry_before = loop.T_odom_camera();
-
-  auto next = makeReference(1, 1, kKeyframe, truth(0, kKeyframe));
-  next->T_map_keyframe[0] = SE3();
-  const auto late = adopt(loop, next);
-  ASSERT_EQ(late.size(), static_cast<std::size_t>(kLast - kKeyframe)) << "the frames after the reference's image";
-  for (int i = kKeyframe + 1; i <= kLast; ++i) {
-    const TrackedFrame& tracked = *late.at(static_cast<std::size_t>(i - kKeyframe - 1));
-    EXPECT_EQ(tracked.frame->sequence, view(i).id);
-    EXPECT_EQ(tracked.reference.keyframe_id, 1U);
-    EXPECT_EQ(tracked.status, TrackingStatus::kTracking) << tracked.reason;
-    EXPECT_LT(distance(tracked.trajectory.T_reference_mid, truth(kKeyframe, i)), kClose);
-  }
-  EXPECT_FALSE(late.front()->provisional);
-  EXPECT_LT(distance(loop.T_odom_camera(), odometry_before), 2 * kClose);
-  EXPECT_EQ(loop.process(frame(kLast + 1))->reference.keyframe_id, 1U);
-}
-
-TEST(TrackingLoop, WithoutTimeItDoesNotGoBack) {
-  TrackingLoop loop(demanding());
-  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
-  for (int i = 1; i <= 9; ++i) loop.process(frame(i));
-  auto next = makeReference(1, 1, 5, truth(0, 5));
-  next->T_map_keyframe[0] = SE3();
-  ASSERT_TRUE(loop.take(next, false));
-  EXPECT_EQ(loop.trackWaiting(), nullptr);
-  const TrackedFrameConstPtr tracked = loop.process(frame(10));
-  EXPECT_EQ(tracked->reference.keyframe_id, 1U);
-  EXPECT_LT(distance(tracked->trajectory.T_reference_mid, truth(5, 10)), kClose);
-}
-
-TEST(TrackingLoop, FramesAreNotProvisionalForever) {
-  TrackingLoop loop(demanding());
-  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
-  bool was_provisional = false;
-  for (int i = 1; i < kCount; ++i) was_provisional |= loop.process(frame(i))->provisional;
-  EXPECT_TRUE(was_provisional);
-  // The same view, though not the same noise, much later: no keyframe came.
-  const SimulatedFrame& last = view(kCount - 1);
-  const TrackedFrameConstPtr tracked =
-      loop.process(test::makeFrame(test::scaled(test::toFloat(last.blurred), 1.0, 0.1),
-                                   last.mid_exposure_ns + std::llround(0.6e9), last.exposure, 500));
-  ASSERT_TRUE(tracked->tracked()) << tracked->reason;
-  EXPECT_FALSE(tracked->provisional);
 }
 
 TEST(TrackingLoop, AsksForAKeyframeWhenTheViewHasChanged) {

@@ -6,9 +6,12 @@
 #include "mba_vo/mapping/initializer.h"
 #include "mba_vo/mapping/mapper_config.h"
 #include "mba_vo/tracking/motion_state.h"
+#include "mba_vo/tracking/reference.h"
 #include "mba_vo/tracking/tracker.h"
 
 namespace mba_vo {
+
+class LocalMap;
 
 /// Velocity of the initial map's reference frame [m/s, rad/s] by the poses next to it in time.
 Vector6 referenceVelocity(const InitialMap& initial);
@@ -22,13 +25,17 @@ TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameCons
 class BackwardTracking {
  public:
   /// `start`: motion at the initial map's reference frame. Takes those of `frames` (by time) that came before it.
+  /// They are tracked against `first_keyframe`, a snapshot about it.
   BackwardTracking(const MapperConfig& config, std::unique_ptr<InitialMap> initial, const MotionState& start,
-                   const std::vector<FrameConstPtr>& frames);
+                   const std::vector<FrameConstPtr>& frames, ReferenceConstPtr first_keyframe);
 
   bool done() const { return frames_.empty(); }
-  /// Tracks the next frame against `reference`, a snapshot about the first keyframe. The initial map's own pose of the
-  /// frame, if there is one, is the guess.
-  TrackedFrame next(const Reference& reference);
+  /// False as long as the first keyframe's points have no good depths: it is better to wait.
+  bool isReady(const LocalMap& map) const;
+  /// The map has a new keyframe. While the first one is in the window, its points get better.
+  void update(LocalMap& map);
+  /// Tracks the next frame, ready or not. The initial map's own pose of the frame, if there is one, is the guess.
+  TrackedFrame next();
 
  private:
   TrackingGuess guessFor(const Frame& frame) const;
@@ -37,6 +44,7 @@ class BackwardTracking {
   double unknown_exposure_;  // [s]
   std::unique_ptr<InitialMap> initial_;
   std::vector<FrameConstPtr> frames_;  // still to be tracked, by time
+  ReferenceConstPtr first_keyframe_;
   MotionState motion_;
   AffineBrightness brightness_;
 };

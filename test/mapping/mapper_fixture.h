@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "mba_vo/mapping/mapper.h"
+#include "support/rendered_sequence.h"
+
+namespace mba_vo::test {
+
+inline constexpr int kFrames = 60;
+
+/// Sharp images are enough to tell what the mapper does with its input.
+inline const std::vector<FrameConstPtr>& frames() {
+  static const std::vector<FrameConstPtr> frames = toFrames(renderFrames(sequenceConfig(0.0), 0, kFrames), true, 0.0);
+  return frames;
+}
+
+inline MapperConfig config() {
+  MapperConfig c;
+  c.deterministic = true;
+  return c;
+}
+
+inline TrackedFrameConstPtr report(const FrameConstPtr& frame, TrackingStatus status, const ReferenceId& reference = {},
+                                   const SE3& T_reference_mid = {}) {
+  auto tracked = std::make_shared<TrackedFrame>();
+  tracked->frame = frame;
+  tracked->status = status;
+  tracked->reference = reference;
+  tracked->trajectory.T_reference_mid = T_reference_mid;
+  return tracked;
+}
+
+/// Frames of other times: the same images, `seconds` later.
+inline FrameConstPtr shifted(const FrameConstPtr& frame, double seconds) {
+  auto copy = std::make_shared<Frame>(*frame);
+  copy->sequence += 1000;
+  copy->mid_exposure_ns += std::llround(1e9 * seconds);
+  copy->stamp_ns = copy->mid_exposure_ns;
+  return copy;
+}
+
+struct Initialised {
+  MapperOutput output;
+  int frames_used = 0;
+};
+
+/// Feeds frames that no tracker could track, until there is a map.
+inline Initialised initialise(Mapper& mapper, double shift = 0.0) {
+  Initialised result;
+  for (const FrameConstPtr& frame : frames()) {
+    ++result.frames_used;
+    result.output = mapper.process(report(shift == 0.0 ? frame : shifted(frame, shift), TrackingStatus::kInitializing));
+    if (result.output.reference) return result;
+  }
+  ADD_FAILURE() << "no map: " << result.output.message;
+  return result;
+}
+
+}  // namespace mba_vo::test

@@ -1,0 +1,137 @@
+#include <cstdint>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "mba_vo/odometry/tracking_loop.h"
+#include "mba_vo/odometry/tracking_results.h"
+#include "odometry/tracking_loop_fixture.h"
+#include "support/rendered_room.h"
+
+namespace mba_vo {
+namespace {
+
+using test::adopt;
+using test::distance;
+using test::elsewhere;
+using test::expectConsistent;
+using test::frame;
+using test::kClose;
+using test::later;
+using test::makeReference;
+using test::someCorrection;
+using test::truth;
+using test::view;
+
+/// An image that shows nothing.
+FrameConstPtr blank(double seconds_later) { return later(cv::Mat1f(240, 376, 90.0F), seconds_later); }
+
+TEST(TrackingLoop, BeginsANewMapAfterBeingLostAndOdometryGoesOnFromThere) {
+  const OdometryConfig config;
+  TrackingLoop loop(config);
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  for (int i = 1; i <= 3; ++i) loop.process(frame(i));
+  const SE3 last = loop.T_odom_camera();
+  for (double t = 0.0; t < config.mapper.restart_after_lost - 0.01; t += 0.2) {
+    const TrackedFrameConstPtr tracked = loop.process(elsewhere(t));
+    EXPECT_EQ(tracked->status, TrackingStatus::kLost) << t;
+    EXPECT_FALSE(tracked->reason.empty());
+  }
+  EXPECT_EQ(loop.process(elsewhere(config.mapper.restart_after_lost))->status, TrackingStatus::kLost);
+  EXPECT_EQ(loop.process(elsewhere(config.mapper.restart_after_lost + 0.2))->status, TrackingStatus::kInitializing);
+  EXPECT_EQ(loop.reference(), nullptr);
+  EXPECT_LT(distance(loop.T_odom_camera(), last), 1e-12);
+  adopt(loop, makeReference(2, 0, 6, someCorrection(), 6));
+  EXPECT_LT(distance(loop.T_odom_camera(), last), 1e-12);
+  const TrackedFrameConstPtr tracked = loop.process(frame(7));
+  EXPECT_TRUE(tracked->tracked()) << tracked->reason;
+  EXPECT_EQ(tracked->reference.map_id, 2U);
+  EXPECT_LT(distance(last.inverse() * loop.T_odom_camera(), truth(6, 7)), kClose);
+  expectConsistent(loop, *tracked);
+}
+
+TEST(TrackingLoop, ACoveredLensCostsNoMap) {
+  TrackingLoop loop{OdometryConfig()};
+  const ReferenceConstPtr reference = makeReference(1, 0, 0, SE3(), 0);
+  adopt(loop, reference);
+  loop.process(frame(1));
+  for (double t = 0.0; t < 3.0; t += 0.2) {
+    const TrackedFrameConstPtr tracked = loop.process(blank(t));
+    EXPECT_EQ(tracked->status, TrackingStatus::kLost);
+    EXPECT_TRUE(tracked->blind);
+    EXPECT_NE(tracked->reason.find("covered"), std::string::npos) << tracked->reason;
+  }
+  EXPECT_EQ(loop.reference(), reference);
+}
+
+TEST(TrackingLoop, AFrozenImageIsNoMeasurementForLong) {
+  TrackingLoop loop{OdometryConfig()};
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  EXPECT_TRUE(loop.process(frame(1))->tracked());
+  const cv::Mat1f frozen = test::toFloat(view(2).blurred);
+  const std::int64_t since = view(2).mid_exposure_ns;
+  for (int i = 0; i < 10; ++i) {
+    const TrackedFrameConstPtr tracked = loop.process(test::makeFrame(frozen, since + i * 33000000LL, 0.02, 300));
+    EXPECT_EQ(tracked->tracked(), i < 5) << "a recorder may write an image twice; " << i;
+    EXPECT_EQ(tracked->blind, i >= 5);
+    if (i > 0 && i < 5) {
+      EXPECT_EQ(tracked->status, TrackingStatus::kDegraded) << "the pose is that of the first";
+    }
+  }
+}
+
+TEST(TrackingLoop, GoesOnFromWhereTheMapperFoundIt) {
+  TrackingLoop loop{OdometryConfig()};
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  loop.process(frame(1));
+  const SE3 T_odom_first = loop.T_odom_camera() * truth(1, 0);
+  for (int i = 2; i < 6; ++i) {  // somewhere else in the meantime
+    EXPECT_EQ(
+        loop.process(test::makeFrame(elsewhere(0.0)->pyramid.level(0).intensity, view(i).mid_exposure_ns, 0.02, 400))
+            ->status,
+        TrackingStatus::kLost);
+  }
+  // The mapper has seen frame 10 with keyframe 3; frame 11 came in the meantime.
+  const TrackedFrameConstPtr lost = loop.process(frame(11));
+  auto reference = makeReference(1, 3, 9, truth(0, 9), 10);
+  reference->T_map_keyframe[0] = SE3();
+  const auto again = adopt(loop, reference);
+  const TrackedFrameConstPtr tracked = loop.process(frame(12));
+  EXPECT_EQ(tracked->status, TrackingStatus::kTracking) << tracked->reason;
+  EXPECT_LT(distance(tracked->trajectory.T_reference_mid, truth(9, 12)), kClose);
+  if (!lost->tracked()) {
+    EXPECT_EQ(again.size(), 1U) << "the lost frame after the hint is tracked again";
+  }
+  // The way there was not seen, but it is known now: odometry is where the map says.
+  EXPECT_LT(distance(loop.T_odom_camera(), T_odom_first * truth(0, 12)), 2 * kClose);
+}
+
+TEST(TrackingLoop, AfterALossAPoorPoseIsNone) {
+  TrackedFrame poor;
+  poor.status = TrackingStatus::kDegraded;
+  poor.inlier_fraction = 0.7;
+  judgeFirstAfterLoss(TrackerConfig(), poor);
+  EXPECT_EQ(poor.status, TrackingStatus::kLost);
+  TrackedFrame good;
+  good.status = TrackingStatus::kTracking;
+  good.inlier_fraction = 0.9;
+  judgeFirstAfterLoss(TrackerConfig(), good);
+  EXPECT_EQ(good.status, TrackingStatus::kDegraded);
+  EXPECT_FALSE(good.reason.empty());
+}
+
+TEST(TrackingLoop, FindsItselfAgainIfItIsNotLostForLong) {
+  TrackingLoop loop{OdometryConfig()};
+  adopt(loop, makeReference(1, 0, 3, SE3(), 3));
+  loop.process(frame(4));
+  EXPECT_EQ(loop.process(test::makeFrame(cv::Mat1f(240, 376, 90.0F), view(5).mid_exposure_ns, 0.02))->status,
+            TrackingStatus::kLost);
+  const TrackedFrameConstPtr tracked = loop.process(frame(6));
+  EXPECT_EQ(tracked->status, TrackingStatus::kDegraded) << "by prediction alone, so far";
+  EXPECT_LT(distance(tracked->trajectory.T_reference_mid, truth(3, 6)), kClose);
+  EXPECT_EQ(loop.process(frame(7))->status, TrackingStatus::kTracking);
+}
+
+}  // namespace
+}  // namespace mba_vo

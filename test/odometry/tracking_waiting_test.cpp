@@ -1,0 +1,138 @@
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "mba_vo/odometry/tracking_loop.h"
+#include "odometry/tracking_loop_fixture.h"
+#include "support/rendered_room.h"
+
+namespace mba_vo {
+namespace {
+
+using test::adopt;
+using test::demanding;
+using test::distance;
+using test::elsewhere;
+using test::frame;
+using test::kClose;
+using test::kCount;
+using test::makeReference;
+using test::someCorrection;
+using test::truth;
+using test::view;
+
+TEST(TrackingLoop, FramesThatWaitedAreTrackedFromTheHintOn) {
+  TrackingLoop loop{OdometryConfig()};
+  for (int i = 0; i <= 5; ++i) loop.process(frame(i));
+  const auto late = adopt(loop, makeReference(1, 0, 0, someCorrection(), 2));
+  ASSERT_EQ(late.size(), 3U);  // frames 3, 4 and 5
+  for (int i = 3; i <= 5; ++i) {
+    const TrackedFrame& tracked = *late.at(static_cast<std::size_t>(i - 3));
+    EXPECT_EQ(tracked.frame->sequence, view(i).id);
+    EXPECT_EQ(tracked.status, TrackingStatus::kTracking) << tracked.reason;
+    EXPECT_EQ(tracked.reference.map_id, 1U);
+    EXPECT_LT(distance(tracked.trajectory.T_reference_mid, truth(0, i)), kClose);
+  }
+  // Once is enough.
+  EXPECT_TRUE(adopt(loop, makeReference(1, 0, 0, someCorrection())).empty());
+  const TrackedFrameConstPtr next = loop.process(frame(6));
+  EXPECT_EQ(next->status, TrackingStatus::kTracking);
+  EXPECT_LT(distance(next->trajectory.T_reference_mid, truth(0, 6)), kClose);
+}
+
+TEST(TrackingLoop, WaitingFramesHoldForTheKeyframeTheyAskedFor) {
+  TrackingLoop loop(demanding());
+  for (int i = 0; i <= 10; ++i) loop.process(frame(i));
+  loop.take(makeReference(1, 0, 0, SE3(), 0));
+  TrackedFrameConstPtr asking;
+  while (!asking || !asking->keyframe_requested) {
+    asking = loop.trackWaiting();
+    ASSERT_NE(asking, nullptr) << "no frame asked";
+  }
+  // One more, by which the mapper can make the keyframe, and no other before it is there.
+  const TrackedFrameConstPtr one_more = loop.trackWaiting();
+  ASSERT_NE(one_more, nullptr);
+  const auto next = static_cast<int>(one_more->frame->sequence - view(0).id) + 1;
+  ASSERT_LT(next, 11);
+  EXPECT_EQ(loop.trackWaiting(), nullptr);
+  EXPECT_EQ(loop.waitingFrames(), static_cast<std::size_t>(11 - next));
+  EXPECT_EQ(loop.process(frame(11))->status, TrackingStatus::kInitializing);  // it waits behind the others
+  EXPECT_EQ(loop.trackWaiting(), nullptr);
+
+  auto reference = makeReference(1, 1, next - 2, truth(0, next - 2));
+  reference->T_map_keyframe[0] = SE3();
+  EXPECT_FALSE(adopt(loop, reference).empty());
+  // If it does not come, frames of 0.3 s later are no longer held up.
+  int i = 12;
+  while (loop.waitingFrames() > 0 && i < kCount) {
+    loop.process(frame(i++));
+    while (loop.trackWaiting()) {
+    }
+  }
+  const TrackedFrameConstPtr at_last = loop.process(elsewhere(0.35));
+  EXPECT_EQ(at_last->status, loop.waitingFrames() > 0 ? TrackingStatus::kInitializing : TrackingStatus::kLost);
+  while (loop.trackWaiting()) {
+  }
+  EXPECT_EQ(loop.waitingFrames(), 0U);
+}
+
+TEST(TrackingLoop, FramesThatSawTheirReferenceBadlyAreTrackedAgainAgainstTheNext) {
+  constexpr int kLast = 9;
+  constexpr int kKeyframe = 5;
+  TrackingLoop loop(demanding());
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  std::vector<TrackedFrameConstPtr> first;
+  for (int i = 1; i <= kLast; ++i) first.push_back(loop.process(frame(i)));
+  // The mapper gets a few frames to make the keyframe of, and the rest when they are seen better.
+  EXPECT_FALSE(first.front()->provisional);
+  EXPECT_TRUE(first.back()->provisional);
+  const SE3 odometry_before = loop.T_odom_camera();
+
+  auto next = makeReference(1, 1, kKeyframe, truth(0, kKeyframe));
+  next->T_map_keyframe[0] = SE3();
+  const auto late = adopt(loop, next);
+  ASSERT_EQ(late.size(), static_cast<std::size_t>(kLast - kKeyframe)) << "the frames after the reference's image";
+  for (int i = kKeyframe + 1; i <= kLast; ++i) {
+    const TrackedFrame& tracked = *late.at(static_cast<std::size_t>(i - kKeyframe - 1));
+    EXPECT_EQ(tracked.frame->sequence, view(i).id);
+    EXPECT_EQ(tracked.reference.keyframe_id, 1U);
+    EXPECT_EQ(tracked.status, TrackingStatus::kTracking) << tracked.reason;
+    EXPECT_LT(distance(tracked.trajectory.T_reference_mid, truth(kKeyframe, i)), kClose);
+  }
+  EXPECT_FALSE(late.front()->provisional);
+  EXPECT_LT(distance(loop.T_odom_camera(), odometry_before), 2 * kClose);
+  EXPECT_EQ(loop.process(frame(kLast + 1))->reference.keyframe_id, 1U);
+}
+
+TEST(TrackingLoop, WithoutTimeItDoesNotGoBack) {
+  TrackingLoop loop(demanding());
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  for (int i = 1; i <= 9; ++i) loop.process(frame(i));
+  auto next = makeReference(1, 1, 5, truth(0, 5));
+  next->T_map_keyframe[0] = SE3();
+  ASSERT_TRUE(loop.take(next, false));
+  EXPECT_EQ(loop.trackWaiting(), nullptr);
+  const TrackedFrameConstPtr tracked = loop.process(frame(10));
+  EXPECT_EQ(tracked->reference.keyframe_id, 1U);
+  EXPECT_LT(distance(tracked->trajectory.T_reference_mid, truth(5, 10)), kClose);
+}
+
+TEST(TrackingLoop, FramesAreNotProvisionalForever) {
+  TrackingLoop loop(demanding());
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  bool was_provisional = false;
+  for (int i = 1; i < kCount; ++i) was_provisional |= loop.process(frame(i))->provisional;
+  EXPECT_TRUE(was_provisional);
+  // The same view, though not the same noise, much later: no keyframe came.
+  const SimulatedFrame& last = view(kCount - 1);
+  const TrackedFrameConstPtr tracked =
+      loop.process(test::makeFrame(test::scaled(test::toFloat(last.blurred), 1.0, 0.1),
+                                   last.mid_exposure_ns + std::llround(0.6e9), last.exposure, 500));
+  ASSERT_TRUE(tracked->tracked()) << tracked->reason;
+  EXPECT_FALSE(tracked->provisional);
+}
+
+}  // namespace
+}  // namespace mba_vo
