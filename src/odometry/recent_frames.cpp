@@ -20,7 +20,7 @@ void RecentFrames::add(const Entry& entry, bool badly_seen) {
 }
 
 void RecentFrames::changeReference(const SE3& T_new_old) {
-  for (Entry& entry : entries_) entry.motion_before.changeReference(T_new_old);
+  for (Entry& entry : entries_) entry.before.changeReference(T_new_old);
 }
 
 std::vector<RecentFrames::Entry> RecentFrames::takeAfter(std::int64_t mid_exposure_ns) {

@@ -1,19 +1,18 @@
 #include "mba_vo/odometry/tracking_loop.h"
 
 #include <algorithm>
-#include <deque>
 #include <optional>
 #include <string>
 #include <utility>
 
-#include "mba_vo/image/image_content.h"
 #include "mba_vo/odometry/image_check.h"
 #include "mba_vo/odometry/orientation_tracking.h"
 #include "mba_vo/odometry/recent_frames.h"
+#include "mba_vo/odometry/revision.h"
 #include "mba_vo/odometry/tracking_results.h"
+#include "mba_vo/odometry/waiting_frames.h"
 #include "mba_vo/tracking/exposure_estimator.h"
 #include "mba_vo/tracking/lost_clock.h"
-#include "mba_vo/tracking/motion_state.h"
 
 namespace mba_vo {
 namespace {
@@ -27,18 +26,6 @@ constexpr double kLongestProvisional = 0.5;  // [s]
 constexpr double kUnknownVariance = 1e6;     // of a position that nothing has measured [m^2]
 constexpr const char* kNoMap = "no map yet";
 constexpr int kFramesUntilKeyframe = 2;  // the mapper looks at one more frame before it makes a keyframe
-
-double secondsBetween(const Frame& from, const Frame& to) {
-  return 1e-9 * static_cast<double>(to.mid_exposure_ns - from.mid_exposure_ns);
-}
-
-/// The same frame with another exposure; the image is shared.
-FrameConstPtr withExposure(const FrameConstPtr& frame, const std::optional<double>& exposure) {
-  if (exposure == frame->exposure) return frame;
-  auto other = std::make_shared<Frame>(*frame);
-  other->exposure = exposure;
-  return other;
-}
 
 }  // namespace
 
@@ -60,33 +47,38 @@ class TrackingLoop::Impl {
       reference_.reset();
       no_map_reason_ = "lost for too long, no map yet";
     }
+    if (newest_ && waiting_.areRevisions()) overtake();
     if (reference_ && waiting_.empty()) {
-      auto tracked = track({frame, true, false, {}});
+      auto tracked = track({frame, true, false, false, {}});
       if (image_check_.repeated()) degrade(*tracked, "the image repeats the one before");
       return tracked;
     }
     const auto result = untracked(frame, TrackingStatus::kInitializing,
                                   reference_ ? "earlier frames are still being tracked" : no_map_reason_);
     if (!reference_ && has_time) trackOrientation(*result);
-    waiting_.push_back({frame, false, false, T_odom_camera_});
-    while (secondsBetween(*waiting_.front().frame, *frame) > longest_wait_) waiting_.pop_front();
+    waiting_.add({frame, false, false, false, T_odom_camera_});
+    waiting_.dropOlderThan(longest_wait_);
     return result;
   }
 
   bool take(const ReferenceConstPtr& reference, bool may_go_back) {
     if (!reference->withdrawn.empty()) return leave(*reference);
     const bool found = reference_ && lost_.lost() && reference->hint;  // by the mapper, in this map
+    if (!newest_ || !waiting_.areRevisions()) rememberNewest();
     if (reference_ && reference_->id.map_id == reference->id.map_id) {
       const SE3 T_new_old = T_newReference_oldReference(*reference);
-      motion_.changeReference(T_new_old);
+      state_.changeReference(T_new_old);
+      if (newest_) newest_->state.changeReference(T_new_old);
       recent_.changeReference(T_new_old);
       exposures_.changeReference(T_new_old);
       T_odom_reference_ = T_odom_reference_ * T_new_old.inverse();
-      if (found) beginAt(*reference);
+      if (found) state_ = TrackingState(*reference);
     } else if (reference->hint) {
-      beginAt(*reference);
-      T_odom_reference_ = T_odom_cameraAt(*reference->hint) * motion_.last().T_reference_mid.inverse();
+      state_ = TrackingState(*reference);
+      T_odom_reference_ = waiting_.T_odom_cameraAt(reference->hint->frame_sequence, T_odom_camera_) *
+                          state_.T_reference_last().inverse();
       T_odom_first_.reset();
+      forgetRevisions();
       recent_.clear();
       exposures_.forgetFrames();
     } else {
@@ -97,30 +89,27 @@ class TrackingLoop::Impl {
     frames_since_request_ = 0;
     hold_since_ns_.reset();
     provisional_since_ns_.reset();
-    std::vector<RecentFrames::Entry> frames = recent_.takeAfter(found ? motion_.lastNs() : reference->mid_exposure_ns);
-    if (found && !frames.empty()) {
-      frames.front().motion_before = motion_;
-      frames.front().brightness_before = brightness_;
-    }
+    std::vector<RecentFrames::Entry> frames = recent_.takeAfter(found ? state_.lastNs() : reference->mid_exposure_ns);
+    if (found && !frames.empty()) frames.front().before = state_;
     if (may_go_back) trackAgain(frames);
     return true;
   }
 
   TrackedFrameConstPtr trackWaiting(bool may_hold) {
-    while (reference_ && !waiting_.empty() && waiting_.front().frame->mid_exposure_ns <= motion_.lastNs()) {
-      waiting_.pop_front();
-    }
-    if (!reference_ || waiting_.empty() || (may_hold && holds())) return nullptr;
-    const WaitingFrame next = waiting_.front();
-    waiting_.pop_front();
-    return track(next);
+    if (!reference_) return nullptr;
+    waiting_.dropUntil(state_.lastNs());
+    if (waiting_.empty()) return trackOvertaken();
+    if (may_hold && holds()) return nullptr;
+    return track(waiting_.takeFirst());
   }
 
   std::size_t waitingFrames() const { return waiting_.size(); }
+  bool onlyRevises() const { return waiting_.empty() ? !overtaken_.done() : newest_ && waiting_.areRevisions(); }
 
   void reset() {
     reference_.reset();
     waiting_.clear();
+    forgetRevisions();
     recent_.clear();
     exposures_.reset();
     lost_.find();
@@ -139,11 +128,11 @@ class TrackingLoop::Impl {
   ReferenceConstPtr reference() const { return reference_; }
 
  private:
-  struct WaitingFrame {
-    FrameConstPtr frame;
-    bool in_time;       // its first result came when the frame did
-    bool mapped;        // the mapper has used it
-    SE3 T_odom_camera;  // by its orientation, if it came before there was a map
+  /// What the newest frame left behind, while frames before it are tracked once more.
+  struct Newest {
+    TrackingState state;
+    SE3 T_odom_camera;
+    double need;
   };
 
   /// An image to which nothing can be aligned.
@@ -158,6 +147,7 @@ class TrackingLoop::Impl {
   bool leave(const Reference& withdrawn) {
     if (!reference_ || reference_->id.map_id != withdrawn.id.map_id) return false;
     reference_.reset();
+    forgetRevisions();
     recent_.clear();
     lost_.find();
     no_map_reason_ = withdrawn.withdrawn;
@@ -177,26 +167,42 @@ class TrackingLoop::Impl {
     T_odom_camera_ = *T_odom_first_ * result.trajectory.T_reference_mid;
   }
 
-  SE3 T_odom_cameraAt(const TrackingHint& hint) const {
-    const auto same = [&](const WaitingFrame& w) { return w.frame->sequence == hint.frame_sequence; };
-    const auto found = std::find_if(waiting_.begin(), waiting_.end(), same);
-    return found != waiting_.end() ? found->T_odom_camera : T_odom_camera_;
-  }
-
-  /// The hint tells where to begin.
-  void beginAt(const Reference& reference) {
-    motion_ = {reference.hint->trajectory, reference.hint->mid_exposure_ns};
-    brightness_ = {reference.brightness, contrast(*reference.pyramid)};
-  }
-
   /// Goes back to the first of the frames, which are seen better by the reference that has just come.
   void trackAgain(const std::vector<RecentFrames::Entry>& frames) {
     if (frames.empty()) return;
-    motion_ = frames.front().motion_before;
-    brightness_ = frames.front().brightness_before;
-    std::vector<WaitingFrame> again;
-    for (const RecentFrames::Entry& entry : frames) again.push_back({entry.frame, entry.in_time, entry.mapped, {}});
-    waiting_.insert(waiting_.begin(), again.begin(), again.end());
+    state_ = frames.front().before;
+    waiting_.addRevisions(frames);
+  }
+
+  void rememberNewest() {
+    newest_.reset();
+    if (!lost_.lost()) newest_ = {state_, T_odom_camera_, need_};
+  }
+
+  /// A newer frame has come: it goes on from the newest before it, though that saw another reference. The frames that
+  /// were to be tracked once more before it have to wait until there is time.
+  void overtake() {
+    overtaken_ = Revision(reference_, waiting_.takeAll(), state_);
+    state_ = newest_->state;
+    T_odom_camera_ = newest_->T_odom_camera;
+    need_ = newest_->need;
+    newest_.reset();
+    lost_.find();
+  }
+
+  TrackedFrameConstPtr trackOvertaken() {
+    newest_.reset();
+    if (overtaken_.done()) return nullptr;
+    const FrameConstPtr frame = overtaken_.next().frame;
+    const auto tracked = overtaken_.track(tracker_, withExposure(frame, exposures_.exposureFor(frame->exposure)),
+                                          tracker_config_.unknown_exposure);
+    tracked->exposure_estimate = exposures_.estimate(frame->exposure.has_value());
+    return tracked->tracked() ? tracked : nullptr;  // its first result stands
+  }
+
+  void forgetRevisions() {
+    newest_.reset();
+    overtaken_ = Revision();
   }
 
   /// True while waiting frames have to go on waiting for the keyframe that the last ones asked for. Measured in the
@@ -211,12 +217,9 @@ class TrackingLoop::Impl {
 
   std::shared_ptr<TrackedFrame> track(const WaitingFrame& next) {
     const FrameConstPtr frame = withExposure(next.frame, exposures_.exposureFor(next.frame->exposure));
-    TrackingGuess guess(motion_.priorAt(frame->mid_exposure_ns),
-                        frame->exposure.value_or(tracker_config_.unknown_exposure));
-    const double contrast_now = contrast(frame->pyramid);
-    guess.brightness = brightness_.expectedAt(contrast_now);
+    const TrackingGuess guess = state_.guessFor(*frame, tracker_config_.unknown_exposure);
     auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
-    RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, motion_, brightness_};
+    RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, state_};
     tracked->exposure_estimate = exposures_.estimate(next.frame->exposure.has_value());
     exposures_.add(reference_, tracked, next.frame->exposure);
     if (lost_.lost()) judgeFirstAfterLoss(tracker_config_, *tracked);
@@ -224,8 +227,7 @@ class TrackingLoop::Impl {
       lost_.lose(frame->mid_exposure_ns, false);
     } else {
       lost_.find();
-      motion_.update(*tracked);
-      brightness_ = {tracked->brightness, contrast_now};
+      state_.update(*tracked);
       T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
       need_ = keyframe_policy_.need(*reference_, tracked->measures, tracked->brightness);
       tracked->keyframe_requested = keyframe_policy_.takes(*reference_, tracked->measures, tracked->brightness);
@@ -262,9 +264,11 @@ class TrackingLoop::Impl {
   double restart_after_lost_;  // [s]
   double longest_wait_;        // [s]
   ReferenceConstPtr reference_;
-  std::deque<WaitingFrame> waiting_;  // by time
-  RecentFrames recent_;               // before those that wait
-  MotionState motion_;                // relative to reference_
+  WaitingFrames waiting_;
+  RecentFrames recent_;  // before those that wait
+  TrackingState state_;  // relative to reference_
+  std::optional<Newest> newest_;
+  Revision overtaken_;
   ImageCheck image_check_;
   LostClock lost_;
   std::string no_map_reason_ = kNoMap;
@@ -272,7 +276,6 @@ class TrackingLoop::Impl {
   int frames_since_request_ = 0;  // that a keyframe was asked for, counting the asking one
   std::optional<std::int64_t> hold_since_ns_;
   std::optional<std::int64_t> provisional_since_ns_;
-  BrightnessState brightness_;  // of the last tracked frame
   SE3 T_odom_camera_;
   SE3 T_odom_reference_;
   std::optional<SE3> T_odom_first_;  // of the first frame without a map
@@ -288,6 +291,7 @@ bool TrackingLoop::take(const ReferenceConstPtr& reference, bool may_go_back) {
 }
 TrackedFrameConstPtr TrackingLoop::trackWaiting(bool may_hold) { return impl_->trackWaiting(may_hold); }
 std::size_t TrackingLoop::waitingFrames() const { return impl_->waitingFrames(); }
+bool TrackingLoop::onlyRevises() const { return impl_->onlyRevises(); }
 void TrackingLoop::reset() { impl_->reset(); }
 const SE3& TrackingLoop::T_odom_camera() const { return impl_->T_odom_camera(); }
 SE3 TrackingLoop::T_map_odom() const { return impl_->T_map_odom(); }

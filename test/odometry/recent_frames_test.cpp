@@ -10,7 +10,7 @@ RecentFrames::Entry at(double seconds) {
   frame->mid_exposure_ns = std::llround(1e9 * seconds);
   RecentFrames::Entry entry;
   entry.frame = frame;
-  entry.motion_before = MotionState(ExposureTrajectory{}, frame->mid_exposure_ns - 1);
+  entry.before = TrackingState(MotionState(ExposureTrajectory{}, frame->mid_exposure_ns - 1));
   return entry;
 }
 
@@ -52,7 +52,7 @@ TEST(RecentFrames, GoesOnRelativeToAnotherReference) {
   recent.changeReference(SE3::exp(step));
   const auto entries = recent.takeAfter(0);
   ASSERT_EQ(entries.size(), 1U);
-  EXPECT_LT((entries[0].motion_before.last().T_reference_mid.log() - step).norm(), 1e-12);
+  EXPECT_LT((entries[0].before.T_reference_last().log() - step).norm(), 1e-12);
 }
 
 }  // namespace

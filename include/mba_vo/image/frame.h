@@ -23,4 +23,12 @@ struct Frame {
 
 using FrameConstPtr = std::shared_ptr<const Frame>;
 
+/// The same frame with another exposure; the image is shared.
+inline FrameConstPtr withExposure(const FrameConstPtr& frame, const std::optional<double>& exposure) {
+  if (exposure == frame->exposure) return frame;
+  auto other = std::make_shared<Frame>(*frame);
+  other->exposure = exposure;
+  return other;
+}
+
 }  // namespace mba_vo

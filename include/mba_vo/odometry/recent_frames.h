@@ -4,8 +4,7 @@
 #include <deque>
 #include <vector>
 
-#include "mba_vo/odometry/brightness_state.h"
-#include "mba_vo/tracking/motion_state.h"
+#include "mba_vo/odometry/tracking_state.h"
 
 namespace mba_vo {
 
@@ -15,10 +14,9 @@ class RecentFrames {
  public:
   struct Entry {
     FrameConstPtr frame;
-    bool in_time = false;               // its first result came when the frame did
-    bool mapped = false;                // the mapper has used it
-    MotionState motion_before;          // what its prior came from, relative to the reference in use
-    BrightnessState brightness_before;  // of the last tracked image
+    bool in_time = false;  // its first result came when the frame did
+    bool mapped = false;   // the mapper has used it
+    TrackingState before;  // what it was predicted from, relative to the reference in use
   };
 
   /// `badly_seen`: this frame is worth another look. Nothing is kept until there is such a frame.

@@ -1,33 +1,51 @@
 #include "extrinsic.h"
 
+#include <utility>
+
 #include <ros/ros.h>
-#include <tf2_ros/transform_listener.h>
 
 #include "mba_vo/ros/conversions.h"
 
 namespace mba_vo {
 
-SE3 lookupExtrinsic(const std::string& base_frame, const std::string& camera_frame, double wait) {
-  if (camera_frame == base_frame) {
-    return SE3();
+Extrinsic::Extrinsic(std::string base_frame, double wait) : base_frame_(std::move(base_frame)), wait_(wait) {}
+
+void Extrinsic::setCamera(const std::string& camera_frame) {
+  if (camera_frame_ == camera_frame) {
+    return;
   }
-  tf2_ros::Buffer buffer;
-  const tf2_ros::TransformListener listener(buffer);
-  // Wall time: simulated time may stand still until the first image has been dealt with.
-  const ros::SteadyTime deadline = ros::SteadyTime::now() + ros::WallDuration(wait);
-  while (ros::ok() && !camera_frame.empty()) {
-    if (buffer.canTransform(base_frame, camera_frame, ros::Time(0))) {
-      ROS_INFO_STREAM("camera '" << camera_frame << "' is mounted on '" << base_frame << "' as TF says");
-      return fromTransformMsg(buffer.lookupTransform(base_frame, camera_frame, ros::Time(0)).transform);
-    }
-    if (ros::SteadyTime::now() >= deadline) {
-      break;
-    }
+  camera_frame_ = camera_frame;
+  T_base_camera_.reset();
+  deadline_ = ros::SteadyTime::now() + wait_;
+  listener_ = std::make_unique<tf2_ros::TransformListener>(buffer_);
+}
+
+bool Extrinsic::isSettled() {
+  if (T_base_camera_) {
+    return true;
+  }
+  const std::string camera = camera_frame_.value_or("");
+  if (camera == base_frame_) {
+    T_base_camera_ = SE3();
+  } else if (!camera.empty() && buffer_.canTransform(base_frame_, camera, ros::Time(0))) {
+    ROS_INFO_STREAM("camera '" << camera << "' is mounted on '" << base_frame_ << "' as TF says");
+    T_base_camera_ = fromTransformMsg(buffer_.lookupTransform(base_frame_, camera, ros::Time(0)).transform);
+  } else if (camera.empty() || ros::SteadyTime::now() >= deadline_ || !ros::ok()) {
+    ROS_INFO_STREAM("TF has no transform from '" << base_frame_ << "' to camera '" << camera << "': '" << base_frame_
+                                                 << "' is the camera itself, x forward, z up");
+    T_base_camera_ = T_body_optical();
+  }
+  if (T_base_camera_) {
+    listener_.reset();
+  }
+  return T_base_camera_.has_value();
+}
+
+const SE3& Extrinsic::T_base_camera() {
+  while (!isSettled()) {
     ros::WallDuration(0.02).sleep();
   }
-  ROS_INFO_STREAM("TF has no transform from '" << base_frame << "' to camera '" << camera_frame << "': '" << base_frame
-                                               << "' is the camera itself, x forward, z up");
-  return T_body_optical();
+  return *T_base_camera_;
 }
 
 }  // namespace mba_vo

@@ -1,13 +1,39 @@
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
+
+#include <ros/time.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
 
 #include "mba_vo/geometry/se3.h"
 
 namespace mba_vo {
 
-/// Pose of the camera (optical frame `camera_frame`) on the base, from TF, waiting at most `wait` [s] of wall time for
-/// it. If TF knows none, the base is the camera itself with the axes of REP-103.
-SE3 lookupExtrinsic(const std::string& base_frame, const std::string& camera_frame, double wait);
+/// Pose of the camera on the base, from TF, once for each camera. If TF knows none in time, the base is the camera
+/// itself with the axes of REP-103.
+class Extrinsic {
+ public:
+  /// `wait` [s] of wall time from a camera's first image on.
+  Extrinsic(std::string base_frame, double wait);
+
+  /// From now on images of this camera (optical frame) come.
+  void setCamera(const std::string& camera_frame);
+  /// Looks without waiting. False while TF may still tell.
+  bool isSettled();
+  /// Waits until it is settled.
+  const SE3& T_base_camera();
+
+ private:
+  const std::string base_frame_;
+  const ros::WallDuration wait_;
+  std::optional<std::string> camera_frame_;
+  ros::SteadyTime deadline_;  // simulated time may stand still until the first image has been dealt with
+  tf2_ros::Buffer buffer_;
+  std::unique_ptr<tf2_ros::TransformListener> listener_;  // while it is not settled
+  std::optional<SE3> T_base_camera_;
+};
 
 }  // namespace mba_vo

@@ -5,6 +5,8 @@
 #include <ros/ros.h>
 #include <boost/make_shared.hpp>
 
+#include "thread_priority.h"
+
 namespace mba_vo {
 namespace {
 
@@ -63,6 +65,7 @@ std::future<std::vector<TrajectoryEntry>> MapperWorker::trajectory() {
 }
 
 void MapperWorker::run() {
+  const BackgroundThreads lower_priority;
   while (const std::optional<Job> job = queue_.pop()) {
     if (job->frame) {
       process(*job->frame);

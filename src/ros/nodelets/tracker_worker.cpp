@@ -7,7 +7,6 @@
 #include <ros/ros.h>
 #include <boost/make_shared.hpp>
 
-#include "extrinsic.h"
 #include "mba_vo/io/photometric_files.h"
 #include "mba_vo/ros/image_conversion.h"
 
@@ -58,7 +57,8 @@ TrackerWorker::TrackerWorker(ros::NodeHandle& nh, const NodeConfig& config, Cali
       tracked_frames_(nh.advertise<TrackedFrameMessage>("tracked_frame", 1000)),
       motions_(nh, config.frames, config.publish_tf),
       queue_(static_cast<std::size_t>(kBytesPerMegabyte * config.image_queue_mb), bytesOf, mostDispensable),
-      loop_(config.odometry) {
+      loop_(config.odometry),
+      extrinsic_(config.frames.base_frame, config.extrinsic_wait) {
   beginSession(true);
   thread_ = std::thread([this] { run(); });
 }
@@ -91,9 +91,8 @@ void TrackerWorker::run() {
       process(*image);
     } else if (std::holds_alternative<Reset>(*job)) {
       beginSession(false);
-    } else {
-      catchUp();
     }
+    catchUp(false);
   }
 }
 
@@ -119,14 +118,12 @@ void TrackerWorker::process(const InputImage& image) {
   if (!frame) {
     return;
   }
-  if (!T_base_camera_ || camera_frame_ != image.message->header.frame_id) {
-    camera_frame_ = image.message->header.frame_id;
-    T_base_camera_ = lookupExtrinsic(config_.frames.base_frame, camera_frame_, config_.extrinsic_wait);
-  }
-  catchUp();
+  camera_frame_ = image.message->header.frame_id;
+  extrinsic_.setCamera(camera_frame_);
+  catchUp(true);
   const TrackedFrameConstPtr tracked = loop_.process(frame, queue_.size() == 0);
   forward(tracked, loop_.reference() != nullptr);
-  if (tracked->tracked() || tracked->orientation_only) {
+  if (tracked->tracked() || (tracked->orientation_only && extrinsic_.isSettled())) {
     publishMotion(tracked);
   }
   status_.imageTracked(*tracked, exposureSource(image, *tracked));
@@ -212,11 +209,18 @@ void TrackerWorker::correctCalibration(const CalibrationCorrection& correction) 
       << correction.values.transpose());
 }
 
-void TrackerWorker::catchUp() {
+void TrackerWorker::catchUp(bool image_waits) {
   adoptReferences();
-  while (const TrackedFrameConstPtr late = loop_.trackWaiting()) {
+  bool is_behind = false;
+  // Images that come meanwhile are told to wait, unless there are so many that this would never end.
+  while (!(is_behind && queue_.size() < kBacklog) && !(loop_.onlyRevises() && (image_waits || !queue_.empty()))) {
+    const TrackedFrameConstPtr late = loop_.trackWaiting();
+    if (!late) {
+      return;
+    }
     forward(late, true);
     adoptReferences();
+    is_behind = image_waits || !queue_.empty();
   }
 }
 
@@ -227,7 +231,9 @@ void TrackerWorker::forward(const TrackedFrameConstPtr& tracked, bool has_refere
   message->summary.keep_map = keep_map_;
   message->summary.number = next_number_++;
   message->tracked = tracked;
-  message->T_base_camera = *T_base_camera_;
+  if (tracked->tracked() || extrinsic_.isSettled()) {  // without a pose there is nothing to place yet
+    message->T_base_camera = extrinsic_.T_base_camera();
+  }
   tracked_frames_.publish(TrackedFrameMessageConstPtr(message));
 }
 
@@ -236,7 +242,7 @@ void TrackerWorker::publishMotion(const TrackedFrameConstPtr& tracked) {
   motion.tracked = tracked;
   motion.T_odom_camera = loop_.T_odom_camera();
   motion.T_map_odom = loop_.T_map_odom();
-  motion.T_base_camera = *T_base_camera_;
+  motion.T_base_camera = extrinsic_.T_base_camera();
   motion.camera_frame = camera_frame_;
   const std::int64_t mid_ns = tracked->frame->mid_exposure_ns;
   if (last_measured_ns_ != 0) {

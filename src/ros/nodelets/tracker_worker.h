@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "calibration_store.h"
+#include "extrinsic.h"
 #include "mba_vo/odometry/input_guard.h"
 #include "mba_vo/odometry/tracking_loop.h"
 #include "mba_vo/ros/bounded_queue.h"
@@ -48,8 +49,9 @@ class TrackerWorker {
   FrameConstPtr makeFrame(const InputImage& image);
   void updateFrameBuilder();
   void adoptReferences();
-  /// Frames that waited for the first reference of a map are tracked; newer references are adopted in between.
-  void catchUp();
+  /// Frames that waited for the first reference of a map are tracked; newer references are adopted in between. Frames
+  /// that are tracked once more do not hold up an image.
+  void catchUp(bool image_waits);
   /// Images from now on are made as the mapper believes they should be.
   void correctCalibration(const CalibrationCorrection& correction);
   void forward(const TrackedFrameConstPtr& tracked, bool has_reference);
@@ -74,8 +76,8 @@ class TrackerWorker {
   std::shared_ptr<const CameraCalibration> built_for_;
   std::unique_ptr<FrameBuilder> builder_;
   CalibrationCorrection correction_;  // that it makes images with
-  std::optional<SE3> T_base_camera_;
   std::string camera_frame_;
+  Extrinsic extrinsic_;
   std::uint64_t session_ = 0;
   bool keep_map_ = true;
   std::uint64_t next_number_ = 0;

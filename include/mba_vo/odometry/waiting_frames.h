@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <vector>
+
+#include "mba_vo/geometry/se3.h"
+#include "mba_vo/odometry/recent_frames.h"
+
+namespace mba_vo {
+
+struct WaitingFrame {
+  FrameConstPtr frame;
+  bool in_time = false;   // its first result came when the frame did
+  bool mapped = false;    // the mapper has used it
+  bool revision = false;  // it has been tracked before
+  SE3 T_odom_camera;      // by its orientation, if it came before there was a map
+};
+
+/// Frames that are to be tracked when there is a reference for them, by time. Those that are to be tracked once more
+/// come before those that never were.
+class WaitingFrames {
+ public:
+  bool empty() const { return frames_.empty(); }
+  std::size_t size() const { return frames_.size(); }
+  const WaitingFrame& front() const { return frames_.front(); }
+  const WaitingFrame& back() const { return frames_.back(); }
+  /// True if there are any and all of them have been tracked before.
+  bool areRevisions() const { return !frames_.empty() && frames_.back().revision; }
+  /// Where the camera was at that frame; `otherwise` if it is not among them.
+  const SE3& T_odom_cameraAt(std::uint64_t sequence, const SE3& otherwise) const;
+
+  void add(const WaitingFrame& frame) { frames_.push_back(frame); }
+  /// Frames that came before those that wait.
+  void addRevisions(const std::vector<RecentFrames::Entry>& entries);
+  WaitingFrame takeFirst();
+  std::deque<WaitingFrame> takeAll();
+  void dropUntil(std::int64_t mid_exposure_ns);
+  /// Drops what is older than the newest one by more than `seconds`.
+  void dropOlderThan(double seconds);
+  void clear() { frames_.clear(); }
+
+ private:
+  std::deque<WaitingFrame> frames_;
+};
+
+}  // namespace mba_vo

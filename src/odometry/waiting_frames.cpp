@@ -1,0 +1,41 @@
+#include "mba_vo/odometry/waiting_frames.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace mba_vo {
+
+const SE3& WaitingFrames::T_odom_cameraAt(std::uint64_t sequence, const SE3& otherwise) const {
+  const auto same = [&](const WaitingFrame& w) { return w.frame->sequence == sequence; };
+  const auto found = std::find_if(frames_.begin(), frames_.end(), same);
+  return found != frames_.end() ? found->T_odom_camera : otherwise;
+}
+
+void WaitingFrames::addRevisions(const std::vector<RecentFrames::Entry>& entries) {
+  std::vector<WaitingFrame> again;
+  again.reserve(entries.size());
+  for (const RecentFrames::Entry& entry : entries)
+    again.push_back({entry.frame, entry.in_time, entry.mapped, true, {}});
+  frames_.insert(frames_.begin(), again.begin(), again.end());
+}
+
+WaitingFrame WaitingFrames::takeFirst() {
+  WaitingFrame first = std::move(frames_.front());
+  frames_.pop_front();
+  return first;
+}
+
+std::deque<WaitingFrame> WaitingFrames::takeAll() { return std::exchange(frames_, {}); }
+
+void WaitingFrames::dropUntil(std::int64_t mid_exposure_ns) {
+  while (!frames_.empty() && frames_.front().frame->mid_exposure_ns <= mid_exposure_ns) frames_.pop_front();
+}
+
+void WaitingFrames::dropOlderThan(double seconds) {
+  const auto age = [&](const WaitingFrame& w) {
+    return 1e-9 * static_cast<double>(frames_.back().frame->mid_exposure_ns - w.frame->mid_exposure_ns);
+  };
+  while (!frames_.empty() && age(frames_.front()) > seconds) frames_.pop_front();
+}
+
+}  // namespace mba_vo

@@ -1,0 +1,37 @@
+#include "thread_priority.h"
+
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <ros/console.h>
+
+namespace mba_vo {
+namespace {
+
+constexpr int kNiceness = 10;  // about a tenth of the share of a thread of ordinary priority, if both want the core
+
+/// Of the calling thread alone: on Linux a niceness belongs to a thread.
+void lowerPriority() {
+  const auto thread = static_cast<id_t>(syscall(SYS_gettid));
+  if (getpriority(PRIO_PROCESS, thread) < kNiceness && setpriority(PRIO_PROCESS, thread, kNiceness) != 0) {
+    ROS_WARN_ONCE("the mapper's threads keep their priority: they may hold up the tracker");
+  }
+}
+
+}  // namespace
+
+BackgroundThreads::BackgroundThreads() {
+  lowerPriority();
+  observe(true);
+}
+
+BackgroundThreads::~BackgroundThreads() { observe(false); }
+
+void BackgroundThreads::on_scheduler_entry(bool is_worker) {
+  if (is_worker) {
+    lowerPriority();
+  }
+}
+
+}  // namespace mba_vo
