@@ -16,13 +16,16 @@ constexpr double kLeastMotion = 3.0;      // [px] from frame to frame
 constexpr double kSmooth = 0.3;           // of the motion, most that the frames farther away may change of it
 constexpr std::size_t kRememberedSamples = 60;
 constexpr std::size_t kLeastSamples = 8;
-constexpr int kRareProbes = 3;         // every so many frames, once there are enough samples
-constexpr double kLongest = 1.5;       // exposure that is tried, in intervals; their noise is not to be cut off
-constexpr double kBlurSigma = 0.3;     // [px] what path and patches have wrong
-constexpr double kKnownSigma = 0.15;   // of log ratio: below it the estimate is of use
-constexpr double kWrong = 0.2;         // |log ratio| from which on exposures that came are not believed
-constexpr double kRightAgain = 0.1;    // the same, until which they are not
-constexpr double kSignificance = 4.0;  // standard deviations
+constexpr int kRareProbes = 3;            // every so many frames, once there are enough samples
+constexpr int kSeldomProbes = 10;         // the same, once they agree: a probe costs as much as tracking a frame
+constexpr double kAgreement = 0.2;        // of log ratio, between the last sample and a well-known ratio
+constexpr double kWellKnownSigma = 0.05;  // of log ratio
+constexpr double kLongest = 1.5;          // exposure that is tried, in intervals; their noise is not to be cut off
+constexpr double kBlurSigma = 0.3;        // [px] what path and patches have wrong
+constexpr double kKnownSigma = 0.15;      // of log ratio: below it the estimate is of use
+constexpr double kWrong = 0.2;            // |log ratio| from which on exposures that came are not believed
+constexpr double kRightAgain = 0.1;       // the same, until which they are not
+constexpr double kSignificance = 4.0;     // standard deviations
 constexpr double kMedianSigma = 1.2533 * 1.4826;  // of a median, over median deviation / sqrt(samples)
 
 double seconds(const TrackedFrame& from, const TrackedFrame& to) {
@@ -75,17 +78,23 @@ void ExposureEstimator::add(const ReferenceConstPtr& reference, const std::share
   const Seen& middle = seen_[kNeighbours / 2];
   if (middle.tracked->frame->mid_exposure_ns <= newest_probed_ns_) return;
   Ratio& ratio = ratios_[middle.known];
-  if (ratio.samples.size() >= kLeastSamples && ++left_out_ < kRareProbes) return;
+  if (++left_out_ < framesBetweenProbes(ratio)) return;
   const std::optional<ExposureSample> sample = probeMiddle(*reference);
   if (!sample) return;
-  left_out_ = 0;
   newest_probed_ns_ = middle.tracked->frame->mid_exposure_ns;
   ratio.samples.push_back({std::log(sample->exposure / middle.given), 1.0 / (sample->log_sigma * sample->log_sigma)});
   if (ratio.samples.size() > kRememberedSamples) ratio.samples.pop_front();
   update(ratio, middle.known);
 }
 
-std::optional<ExposureSample> ExposureEstimator::probeMiddle(const Reference& reference) const {
+int ExposureEstimator::framesBetweenProbes(const Ratio& ratio) {
+  if (ratio.samples.size() < kLeastSamples) return 1;
+  const double difference = ratio.samples.back().log_ratio - std::log(ratio.estimate.ratio);
+  const bool settled = ratio.estimate.log_sigma < kWellKnownSigma && std::abs(difference) < kAgreement;
+  return settled ? kSeldomProbes : kRareProbes;
+}
+
+std::optional<ExposureSample> ExposureEstimator::probeMiddle(const Reference& reference) {
   std::vector<double> times;
   std::vector<Vector6> motions;
   const Seen& middle = seen_[kNeighbours / 2];
@@ -105,6 +114,7 @@ std::optional<ExposureSample> ExposureEstimator::probeMiddle(const Reference& re
   if (path < kLeastMotion || doubt > kSmooth * path) return std::nullopt;
   TrackedFrame tracked = *middle.tracked;
   tracked.trajectory.T_reference_mid = middle.T_reference_mid;
+  left_out_ = 0;
   const double exposure = ratios_[middle.known].estimate.ratio * middle.given;
   std::optional<ExposureSample> sample =
       probeExposure(reference, tracked, velocity, exposure, kLongest * interval, config_);

@@ -42,11 +42,12 @@ class ExposureEstimator {
   struct Sample {
     double log_ratio, weight;
   };
-  std::optional<ExposureSample> probeMiddle(const Reference& reference) const;
   struct Ratio {
     std::deque<Sample> samples;
     ExposureEstimate estimate;
   };
+  static int framesBetweenProbes(const Ratio& ratio);
+  std::optional<ExposureSample> probeMiddle(const Reference& reference);
   static void update(Ratio& ratio, bool known);
   static double weightedMedian(std::vector<Sample> samples);  // of the logarithms; at least one sample
 
@@ -54,7 +55,7 @@ class ExposureEstimator {
   std::deque<Seen> seen_;        // the newest ones
   std::array<Ratio, 2> ratios_;  // to the assumed exposure where none came; to those that came
   std::int64_t newest_probed_ns_ = 0;
-  int left_out_ = 0;  // frames since the last probe that could have been probed
+  int left_out_ = 0;  // frames since the last probe, itself included
 };
 
 }  // namespace mba_vo
