@@ -1,6 +1,7 @@
 #include "tracker_worker.h"
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 #include <utility>
 
@@ -105,6 +106,7 @@ void TrackerWorker::beginSession(bool keep_map) {
   if (!keep_map) {
     loop_.reset();
     correction_ = {};
+    next_builder_ = {};
     if (builder_) {
       builder_->correct(correction_);
     }
@@ -166,9 +168,13 @@ void TrackerWorker::updateFrameBuilder() {
   if (!calibration) {
     throw std::invalid_argument(calibration_.problem());
   }
+  if (next_builder_.valid() && next_builder_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    builder_ = next_builder_.get();
+  }
   if (calibration == built_for_) {
     return;
   }
+  next_builder_ = {};
   builder_ = std::make_unique<FrameBuilder>(*calibration, photometric_, config_.odometry.image);
   if (std::exchange(built_for_, calibration)) {
     ROS_WARN("the calibration has changed");
@@ -202,7 +208,12 @@ void TrackerWorker::correctCalibration(const CalibrationCorrection& correction) 
     return;
   }
   correction_ = correction;
-  builder_->correct(correction);
+  // Making its maps takes longer than tracking an image: images go on being made as before meanwhile.
+  next_builder_ = std::async(std::launch::async, [this, calibration = built_for_, correction] {
+    auto builder = std::make_unique<FrameBuilder>(*calibration, photometric_, config_.odometry.image);
+    builder->correct(correction);
+    return builder;
+  });
   ROS_WARN_STREAM(
       "the images say that the calibration is wrong; it is corrected by focal length (relative), centre "
       "(focal lengths), k1, k2, row time [s]: "

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -52,7 +53,7 @@ class TrackerWorker {
   /// Frames that waited for the first reference of a map are tracked; newer references are adopted in between. Frames
   /// that are tracked once more do not hold up an image.
   void catchUp(bool image_waits);
-  /// Images from now on are made as the mapper believes they should be.
+  /// Images are soon made as the mapper believes they should be.
   void correctCalibration(const CalibrationCorrection& correction);
   void forward(const TrackedFrameConstPtr& tracked, bool has_reference);
   void publishMotion(const TrackedFrameConstPtr& tracked);
@@ -75,7 +76,8 @@ class TrackerWorker {
   TrackingLoop loop_;
   std::shared_ptr<const CameraCalibration> built_for_;
   std::unique_ptr<FrameBuilder> builder_;
-  CalibrationCorrection correction_;  // that it makes images with
+  CalibrationCorrection correction_;                         // that it makes images with, or next_builder_ will
+  std::future<std::unique_ptr<FrameBuilder>> next_builder_;  // in the making
   std::string camera_frame_;
   Extrinsic extrinsic_;
   std::uint64_t session_ = 0;
