@@ -8,7 +8,6 @@
 #include "mba_vo/odometry/image_check.h"
 #include "mba_vo/odometry/orientation_tracking.h"
 #include "mba_vo/odometry/recent_frames.h"
-#include "mba_vo/odometry/revision.h"
 #include "mba_vo/odometry/tracking_results.h"
 #include "mba_vo/odometry/waiting_frames.h"
 #include "mba_vo/tracking/exposure_estimator.h"
@@ -23,6 +22,7 @@ constexpr double kRevisionNeed = 1.5;        // of a keyframe, 1 = the next shar
 constexpr double kProvisionalNeed = 2.0;     // the same
 constexpr double kHoldingNeed = 4.0;         // the same
 constexpr double kLongestProvisional = 0.5;  // [s]
+constexpr double kLongestRevision = 1.0;     // [s] of frames that are tracked once more while new ones come
 constexpr double kUnknownVariance = 1e6;     // of a position that nothing has measured [m^2]
 constexpr const char* kNoMap = "no map yet";
 constexpr int kFramesUntilKeyframe = 2;  // the mapper looks at one more frame before it makes a keyframe
@@ -47,12 +47,12 @@ class TrackingLoop::Impl {
       reference_.reset();
       no_map_reason_ = "lost for too long, no map yet";
     }
-    if (newest_ && waiting_.areRevisions()) overtake();
     if (reference_ && waiting_.empty()) {
       auto tracked = track({frame, true, false, false, {}});
       if (image_check_.repeated()) degrade(*tracked, "the image repeats the one before");
       return tracked;
     }
+    if (auto tracked = trackAhead(frame)) return tracked;
     const auto result = untracked(frame, TrackingStatus::kInitializing,
                                   reference_ ? "earlier frames are still being tracked" : no_map_reason_);
     if (!reference_ && has_time) trackOrientation(*result);
@@ -64,11 +64,11 @@ class TrackingLoop::Impl {
   bool take(const ReferenceConstPtr& reference, bool may_go_back) {
     if (!reference->withdrawn.empty()) return leave(*reference);
     const bool found = reference_ && lost_.lost() && reference->hint;  // by the mapper, in this map
-    if (!newest_ || !waiting_.areRevisions()) rememberNewest();
+    if (!goesAhead()) rememberNewest();
     if (reference_ && reference_->id.map_id == reference->id.map_id) {
       const SE3 T_new_old = T_newReference_oldReference(*reference);
       state_.changeReference(T_new_old);
-      if (newest_) newest_->state.changeReference(T_new_old);
+      if (newest_) newest_->changeReference(T_new_old);
       recent_.changeReference(T_new_old);
       exposures_.changeReference(T_new_old);
       T_odom_reference_ = T_odom_reference_ * T_new_old.inverse();
@@ -78,7 +78,7 @@ class TrackingLoop::Impl {
       T_odom_reference_ = waiting_.T_odom_cameraAt(reference->hint->frame_sequence, T_odom_camera_) *
                           state_.T_reference_last().inverse();
       T_odom_first_.reset();
-      forgetRevisions();
+      newest_.reset();
       recent_.clear();
       exposures_.forgetFrames();
     } else {
@@ -98,18 +98,22 @@ class TrackingLoop::Impl {
   TrackedFrameConstPtr trackWaiting(bool may_hold) {
     if (!reference_) return nullptr;
     waiting_.dropUntil(state_.lastNs());
-    if (waiting_.empty()) return trackOvertaken();
-    if (may_hold && holds()) return nullptr;
-    return track(waiting_.takeFirst());
+    if (waiting_.empty()) newest_.reset();
+    if (waiting_.empty() || (may_hold && holds())) return nullptr;
+    const auto tracked = track(waiting_.takeFirst());
+    if (tracked->tracked() || !newest_) return tracked;
+    goOnFromNewest();
+    return nullptr;
   }
 
   std::size_t waitingFrames() const { return waiting_.size(); }
-  bool onlyRevises() const { return waiting_.empty() ? !overtaken_.done() : newest_ && waiting_.areRevisions(); }
+  bool goesAhead() const { return newest_ && waiting_.areRevisions(); }
+  bool catchesUp() const { return !waiting_.empty() && !waiting_.areRevisions(); }
 
   void reset() {
     reference_.reset();
     waiting_.clear();
-    forgetRevisions();
+    newest_.reset();
     recent_.clear();
     exposures_.reset();
     lost_.find();
@@ -128,13 +132,6 @@ class TrackingLoop::Impl {
   ReferenceConstPtr reference() const { return reference_; }
 
  private:
-  /// What the newest frame left behind, while frames before it are tracked once more.
-  struct Newest {
-    TrackingState state;
-    SE3 T_odom_camera;
-    double need;
-  };
-
   /// An image to which nothing can be aligned.
   TrackedFrameConstPtr blind(const FrameConstPtr& frame, const std::string& problem) {
     const auto result = untracked(frame, reference_ ? TrackingStatus::kLost : TrackingStatus::kInitializing, problem);
@@ -147,7 +144,7 @@ class TrackingLoop::Impl {
   bool leave(const Reference& withdrawn) {
     if (!reference_ || reference_->id.map_id != withdrawn.id.map_id) return false;
     reference_.reset();
-    forgetRevisions();
+    newest_.reset();
     recent_.clear();
     lost_.find();
     no_map_reason_ = withdrawn.withdrawn;
@@ -176,33 +173,35 @@ class TrackingLoop::Impl {
 
   void rememberNewest() {
     newest_.reset();
-    if (!lost_.lost()) newest_ = {state_, T_odom_camera_, need_};
+    if (!lost_.lost()) newest_ = state_;
   }
 
-  /// A newer frame has come: it goes on from the newest before it, though that saw another reference. The frames that
-  /// were to be tracked once more before it have to wait until there is time.
-  void overtake() {
-    overtaken_ = Revision(reference_, waiting_.takeAll(), state_);
-    state_ = newest_->state;
-    T_odom_camera_ = newest_->T_odom_camera;
-    need_ = newest_->need;
+  /// While frames before it are tracked once more, a new frame gets a first result from what is known without them, and
+  /// then waits behind them.
+  std::shared_ptr<TrackedFrame> trackAhead(const FrameConstPtr& given) {
+    if (!reference_ || !goesAhead()) return nullptr;
+    const FrameConstPtr frame = withExposure(given, exposures_.exposureFor(given->exposure));
+    const TrackingGuess guess = newest_->guessFor(*frame, tracker_config_.unknown_exposure);
+    auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
+    if (!tracked->tracked()) {
+      newest_.reset();
+      return nullptr;
+    }
+    tracked->exposure_estimate = exposures_.estimate(given->exposure.has_value());
+    tracked->provisional = true;
+    newest_->update(*tracked);
+    T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
+    waiting_.add({given, true, false, true, {}});
+    if (waiting_.seconds() > kLongestRevision) goOnFromNewest();
+    return tracked;
+  }
+
+  /// The first results of the frames that wait have to do.
+  void goOnFromNewest() {
+    state_ = *newest_;
     newest_.reset();
+    waiting_.clear();
     lost_.find();
-  }
-
-  TrackedFrameConstPtr trackOvertaken() {
-    newest_.reset();
-    if (overtaken_.done()) return nullptr;
-    const FrameConstPtr frame = overtaken_.next().frame;
-    const auto tracked = overtaken_.track(tracker_, withExposure(frame, exposures_.exposureFor(frame->exposure)),
-                                          tracker_config_.unknown_exposure);
-    tracked->exposure_estimate = exposures_.estimate(frame->exposure.has_value());
-    return tracked->tracked() ? tracked : nullptr;  // its first result stands
-  }
-
-  void forgetRevisions() {
-    newest_.reset();
-    overtaken_ = Revision();
   }
 
   /// True while waiting frames have to go on waiting for the keyframe that the last ones asked for. Measured in the
@@ -265,10 +264,9 @@ class TrackingLoop::Impl {
   double longest_wait_;        // [s]
   ReferenceConstPtr reference_;
   WaitingFrames waiting_;
-  RecentFrames recent_;  // before those that wait
-  TrackingState state_;  // relative to reference_
-  std::optional<Newest> newest_;
-  Revision overtaken_;
+  RecentFrames recent_;                  // before those that wait
+  TrackingState state_;                  // relative to reference_
+  std::optional<TrackingState> newest_;  // by first results, while frames are tracked once more
   ImageCheck image_check_;
   LostClock lost_;
   std::string no_map_reason_ = kNoMap;
@@ -291,7 +289,8 @@ bool TrackingLoop::take(const ReferenceConstPtr& reference, bool may_go_back) {
 }
 TrackedFrameConstPtr TrackingLoop::trackWaiting(bool may_hold) { return impl_->trackWaiting(may_hold); }
 std::size_t TrackingLoop::waitingFrames() const { return impl_->waitingFrames(); }
-bool TrackingLoop::onlyRevises() const { return impl_->onlyRevises(); }
+bool TrackingLoop::goesAhead() const { return impl_->goesAhead(); }
+bool TrackingLoop::catchesUp() const { return impl_->catchesUp(); }
 void TrackingLoop::reset() { impl_->reset(); }
 const SE3& TrackingLoop::T_odom_camera() const { return impl_->T_odom_camera(); }
 SE3 TrackingLoop::T_map_odom() const { return impl_->T_map_odom(); }

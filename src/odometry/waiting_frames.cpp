@@ -25,17 +25,17 @@ WaitingFrame WaitingFrames::takeFirst() {
   return first;
 }
 
-std::deque<WaitingFrame> WaitingFrames::takeAll() { return std::exchange(frames_, {}); }
-
 void WaitingFrames::dropUntil(std::int64_t mid_exposure_ns) {
   while (!frames_.empty() && frames_.front().frame->mid_exposure_ns <= mid_exposure_ns) frames_.pop_front();
 }
 
-void WaitingFrames::dropOlderThan(double seconds) {
-  const auto age = [&](const WaitingFrame& w) {
-    return 1e-9 * static_cast<double>(frames_.back().frame->mid_exposure_ns - w.frame->mid_exposure_ns);
-  };
-  while (!frames_.empty() && age(frames_.front()) > seconds) frames_.pop_front();
+double WaitingFrames::seconds() const {
+  if (frames_.empty()) return 0.0;
+  return 1e-9 * static_cast<double>(frames_.back().frame->mid_exposure_ns - frames_.front().frame->mid_exposure_ns);
+}
+
+void WaitingFrames::dropOlderThan(double most) {
+  while (seconds() > most) frames_.pop_front();
 }
 
 }  // namespace mba_vo

@@ -25,14 +25,16 @@ class TrackingLoop {
   /// unless it may not go back, for want of time.
   bool take(const ReferenceConstPtr& reference, bool may_go_back = true);
   /// Tracks the oldest waiting frame: another, late result, for the mapper. To be called until null before the next
-  /// frame is processed, unless it only revises. Null if none waits, or, where they may, if they have to go on waiting
+  /// frame is processed, unless it goes ahead. Null if none waits, or, where they may, if they have to go on waiting
   /// for a little while: waiting frames pass faster than the mapper makes keyframes, so one that was asked for is
   /// waited for before the view is left.
   TrackedFrameConstPtr trackWaiting(bool may_hold = true);
   std::size_t waitingFrames() const;
-  /// True while all frames that wait have been tracked before. They need not hold up a newer frame: process() goes on
-  /// from the newest result then, and they are tracked after it.
-  bool onlyRevises() const;
+  /// True while all frames that wait have been tracked before, the newest one with success. They need not hold up a
+  /// newer frame: it gets a first, provisional result at once and then waits behind them.
+  bool goesAhead() const;
+  /// True while frames wait that have never been tracked: a newer one has to wait behind them.
+  bool catchesUp() const;
 
   /// Forgets the reference and the prior.
   void reset();

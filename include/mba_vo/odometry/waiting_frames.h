@@ -25,6 +25,7 @@ class WaitingFrames {
   std::size_t size() const { return frames_.size(); }
   const WaitingFrame& front() const { return frames_.front(); }
   const WaitingFrame& back() const { return frames_.back(); }
+  double seconds() const;  // from the first to the last
   /// True if there are any and all of them have been tracked before.
   bool areRevisions() const { return !frames_.empty() && frames_.back().revision; }
   /// Where the camera was at that frame; `otherwise` if it is not among them.
@@ -34,10 +35,9 @@ class WaitingFrames {
   /// Frames that came before those that wait.
   void addRevisions(const std::vector<RecentFrames::Entry>& entries);
   WaitingFrame takeFirst();
-  std::deque<WaitingFrame> takeAll();
   void dropUntil(std::int64_t mid_exposure_ns);
-  /// Drops what is older than the newest one by more than `seconds`.
-  void dropOlderThan(double seconds);
+  /// Drops what is older than the newest one by more than that [s].
+  void dropOlderThan(double most);
   void clear() { frames_.clear(); }
 
  private:

@@ -9,7 +9,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kNiceness = 10;  // about a tenth of the share of a thread of ordinary priority, if both want the core
+constexpr int kNiceness = 5;  // about a third of the share of a thread of ordinary priority, if both want the core
 
 /// Of the calling thread alone: on Linux a niceness belongs to a thread.
 void lowerPriority() {

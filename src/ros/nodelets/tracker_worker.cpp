@@ -222,16 +222,18 @@ void TrackerWorker::correctCalibration(const CalibrationCorrection& correction) 
 
 void TrackerWorker::catchUp(bool image_waits) {
   adoptReferences();
-  bool is_behind = false;
-  // Images that come meanwhile are told to wait, unless there are so many that this would never end.
-  while (!(is_behind && queue_.size() < kBacklog) && !(loop_.onlyRevises() && (image_waits || !queue_.empty()))) {
+  while (!(image_waits && loop_.goesAhead())) {
     const TrackedFrameConstPtr late = loop_.trackWaiting();
     if (!late) {
       return;
     }
     forward(late, true);
     adoptReferences();
-    is_behind = image_waits || !queue_.empty();
+    image_waits = image_waits || !queue_.empty();
+    // Images that come meanwhile are told to wait, unless there are so many that this would never end.
+    if (image_waits && loop_.catchesUp() && queue_.size() < kBacklog) {
+      return;
+    }
   }
 }
 
