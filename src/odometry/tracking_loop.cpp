@@ -47,6 +47,7 @@ class TrackingLoop::Impl {
       reference_.reset();
       no_map_reason_ = "lost for too long, no map yet";
     }
+    if (goesAhead() && newest_need_ < kProvisionalNeed) goOnFromNewest();
     if (reference_ && waiting_.empty()) {
       auto tracked = track({frame, true, false, false, {}});
       if (image_check_.repeated()) degrade(*tracked, "the image repeats the one before");
@@ -174,10 +175,11 @@ class TrackingLoop::Impl {
   void rememberNewest() {
     newest_.reset();
     if (!lost_.lost()) newest_ = state_;
+    newest_need_ = need_;
   }
 
-  /// While frames before it are tracked once more, a new frame gets a first result from what is known without them, and
-  /// then waits behind them.
+  /// While frames that have been seen badly are tracked once more, a new frame gets a first result from what is known
+  /// without them, and then waits behind them.
   std::shared_ptr<TrackedFrame> trackAhead(const FrameConstPtr& given) {
     if (!reference_ || !goesAhead()) return nullptr;
     const FrameConstPtr frame = withExposure(given, exposures_.exposureFor(given->exposure));
@@ -196,7 +198,7 @@ class TrackingLoop::Impl {
     return tracked;
   }
 
-  /// The first results of the frames that wait have to do.
+  /// The first results of the frames that wait are good enough.
   void goOnFromNewest() {
     state_ = *newest_;
     newest_.reset();
@@ -267,6 +269,7 @@ class TrackingLoop::Impl {
   RecentFrames recent_;                  // before those that wait
   TrackingState state_;                  // relative to reference_
   std::optional<TrackingState> newest_;  // by first results, while frames are tracked once more
+  double newest_need_ = 0.0;             // of the newest of them
   ImageCheck image_check_;
   LostClock lost_;
   std::string no_map_reason_ = kNoMap;
