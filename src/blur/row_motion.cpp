@@ -5,21 +5,32 @@ namespace mba_vo {
 RigidMotion shortMotion(const Vector6& xi) {
   const Eigen::Vector3d w = xi.tail<3>();
   const Eigen::Vector3d rho = xi.head<3>();
-  const Eigen::Matrix3d W = hat(w);
-  const Eigen::Matrix3d W2 = W.lazyProduct(W);
   const double w2 = w.squaredNorm();
-  const double cosine_part = 0.5 - w2 / 24.0;  // (1 - cos) / w^2
-  return {Eigen::Matrix3d::Identity() + (1.0 - w2 / 6.0) * W + cosine_part * W2,
-          rho + cosine_part * w.cross(rho) + W2.lazyProduct(rho) / 6.0};
+  const double sine = 1.0 - w2 / 6.0;     // sin / angle
+  const double cosine = 0.5 - w2 / 24.0;  // (1 - cos) / angle^2
+  // [w]_x^2 = w w^T - w^2 I
+  const Eigen::Vector3d s = sine * w;
+  const Eigen::Vector3d c = cosine * w;
+  RigidMotion motion;
+  motion.R << 1.0 - c.y() * w.y() - c.z() * w.z(), c.x() * w.y() - s.z(), c.x() * w.z() + s.y(),  //
+      c.y() * w.x() + s.z(), 1.0 - c.x() * w.x() - c.z() * w.z(), c.y() * w.z() - s.x(),          //
+      c.z() * w.x() - s.y(), c.z() * w.y() + s.x(), 1.0 - c.x() * w.x() - c.y() * w.y();
+  motion.p = (1.0 - w2 / 6.0) * rho + c.cross(rho) + (w.dot(rho) / 6.0) * w;
+  return motion;
 }
 
 std::optional<RollingProjection> projectRolling(const PinholeCamera& camera, const Vector6& velocity,
                                                 const Eigen::Vector3d& point) {
   constexpr int kIterations = 4;  // an error of the row shrinks by row_time times the speed of the image, at most 0.1
+  // The point at time t is Exp(-t v) point, here as a polynomial in t.
+  const Eigen::Vector3d w = velocity.tail<3>();
+  const Eigen::Vector3d first = -(w.cross(point) + velocity.head<3>());
+  const Eigen::Vector3d second = -0.5 * w.cross(first);
+  const Eigen::Vector3d third = -w.cross(second) / 3.0;
   Eigen::Vector3d seen = point;
   for (int i = 0; i < kIterations && seen.z() > 0.0; ++i) {
-    const RigidMotion back = shortMotion(velocity, -camera.rowDelay(camera.project(seen).y()));
-    seen = back.R * point + back.p;
+    const double t = camera.rowDelay(camera.project(seen).y());
+    seen = point + t * (first + t * (second + t * third));
   }
   if (seen.z() <= 0.0) return std::nullopt;
   return RollingProjection{camera.project(seen), seen.z()};
