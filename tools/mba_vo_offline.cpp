@@ -169,14 +169,19 @@ void printCounts(const mba_vo::OfflineResult& result) {
   }
 }
 
-void printCorrection(const mba_vo::CalibrationCorrection& c) {
+void printLearnt(const mba_vo::OfflineResult& result) {
   using mba_vo::CalibrationCorrection;
-  std::cout << "the calibration is wrong: focal length " << 1e2 * c[CalibrationCorrection::kFocal] << " %, centre "
-            << 1e2 * c[CalibrationCorrection::kCentreX] << ", " << 1e2 * c[CalibrationCorrection::kCentreY]
-            << " % of the focal length, k1 " << c[CalibrationCorrection::kK1] << ", k2 "
-            << c[CalibrationCorrection::kK2] << ", row time " << 1e6 * c[CalibrationCorrection::kRowTime]
-            << " us; beginning anew\n"
-            << std::flush;
+  const CalibrationCorrection& c = result.correction;
+  if (!c.isZero()) {
+    std::cout << "the calibration is wrong: focal length " << 1e2 * c[CalibrationCorrection::kFocal] << " %, centre "
+              << 1e2 * c[CalibrationCorrection::kCentreX] << ", " << 1e2 * c[CalibrationCorrection::kCentreY]
+              << " % of the focal length, k1 " << c[CalibrationCorrection::kK1] << ", k2 "
+              << c[CalibrationCorrection::kK2] << ", row time " << 1e6 * c[CalibrationCorrection::kRowTime] << " us; ";
+  }
+  const mba_vo::ExposureCorrection& exposure = result.exposure_correction;
+  if (exposure.missing) std::cout << "images without an exposure had " << 1e3 * *exposure.missing << " ms; ";
+  if (exposure.factor != 1.0) std::cout << "exposures are " << exposure.factor << " times as long as they say; ";
+  std::cout << "beginning anew" << std::endl;
 }
 
 /// The recording itself, or spoilt in the ways that `faults` then tells.
@@ -201,9 +206,9 @@ mba_vo::OfflineResult runOver(const Arguments& a, const mba_vo::OfflineOptions& 
     return reader;
   };
   run.progress = [&](std::size_t done) { bar->update(done); };
-  run.onRestart = [&](const mba_vo::CalibrationCorrection& correction) {
+  run.onRestart = [&](const mba_vo::OfflineResult& result) {
     bar.reset();
-    printCorrection(correction);
+    printLearnt(result);
   };
   return mba_vo::runCalibrated(run, options);
 }

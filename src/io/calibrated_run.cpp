@@ -3,20 +3,21 @@
 namespace mba_vo {
 namespace {
 
-constexpr std::size_t kImages = 600;  // that tell about the calibration
+constexpr std::size_t kImages = 600;  // that tell about the camera
 constexpr int kMostRestarts = 5;
 
 }  // namespace
 
 OfflineResult runCalibrated(const CalibratedRun& run, OfflineOptions options) {
   for (int restarts = 0;; ++restarts) {
-    options.stop_if_corrected_within = restarts < kMostRestarts ? kImages : 0;
+    options.stop_if_learnt_within = restarts < kMostRestarts ? kImages : 0;
     const auto reader = run.open();
     OfflineResult result = runOffline(*reader, options, run.progress);
-    result.calibration_restarts = restarts;
-    if (!result.stopped_for_calibration) return result;
+    result.restarts = restarts;
+    if (!result.stopped_to_restart) return result;
     options.config.mapper.start_correction = result.correction;
-    if (run.onRestart) run.onRestart(result.correction);
+    options.exposure_correction = result.exposure_correction;
+    if (run.onRestart) run.onRestart(result);
   }
 }
 

@@ -42,6 +42,8 @@ class Run {
   Run(const CameraCalibration& calibration, const OfflineOptions& options)
       : start_(options.config.mapper.start_correction),
         exposure_(options.exposure),
+        exposure_correction_(options.exposure_correction),
+        unknown_exposure_(options.config.tracker.unknown_exposure),
         builder_(makeFrameBuilder(calibration, options.config.image)),
         odometry_(believing(options), options.reference_delay_frames) {
     builder_.correct(odometry_.correction());
@@ -52,12 +54,12 @@ class Run {
       result.log.addRejected(image, image.problem);
       return;
     }
-    InputVerdict verdict = guard_.check(image.stamp_ns, exposure_ ? exposure_ : image.exposure);
+    InputVerdict verdict = check(image);
     if (verdict.clock_restarted) {
       odometry_.reset();
       guard_.reset();
       const std::string restart = verdict.reason + ": taken for a new start";
-      verdict = guard_.check(image.stamp_ns, exposure_ ? exposure_ : image.exposure);
+      verdict = check(image);
       verdict.reason = restart;
     }
     if (!verdict.accepted) {
@@ -71,6 +73,7 @@ class Run {
       return odometry_.process(frame);
     }();
     account(odometry, processing, verdict.reason, result);
+    if (result.exposure.used) result.exposure_correction = learnt(verdict.exposure.has_value(), result.exposure.ratio);
     builder_.correct(odometry_.correction());
   }
 
@@ -84,11 +87,30 @@ class Run {
   }
 
   CalibrationCorrection correction() const { return odometry_.correction(); }
-  bool corrected() const { return odometry_.correction() != start_; }
+  bool hasLearnt(const OfflineResult& result) const {
+    return odometry_.correction() != start_ || !(result.exposure_correction == exposure_correction_);
+  }
   std::vector<TrajectoryEntry> trajectory() const { return odometry_.trajectory(); }
   std::vector<MapPoint> points() const { return odometry_.points(); }
 
  private:
+  InputVerdict check(const SequenceImage& image) {
+    std::optional<double> exposure = exposure_correction_.missing;
+    if (image.exposure) exposure = exposure_correction_.factor * *image.exposure;
+    return guard_.check(image.stamp_ns, exposure_ ? exposure_ : exposure);
+  }
+
+  ExposureCorrection learnt(bool given, double ratio) const {
+    ExposureCorrection correction = exposure_correction_;
+    if (given) {
+      correction.factor *= ratio;
+      if (correction.missing) *correction.missing *= ratio;
+    } else {
+      correction.missing = ratio * unknown_exposure_;
+    }
+    return correction;
+  }
+
   static void note(const TrackedFrame& tracked, OfflineResult& result) {
     if (std::isfinite(tracked.exposure_estimate.log_sigma)) result.exposure = tracked.exposure_estimate;
   }
@@ -114,7 +136,9 @@ class Run {
   }
 
   CalibrationCorrection start_;
-  std::optional<double> exposure_;  // [s]
+  std::optional<double> exposure_;  // of all images [s]
+  ExposureCorrection exposure_correction_;
+  double unknown_exposure_;  // assumed at first [s]
   InputGuard guard_;
   FrameBuilder builder_;
   Odometry odometry_;
@@ -124,6 +148,7 @@ class Run {
 
 OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, const ProgressCallback& progress) {
   OfflineResult result;
+  result.exposure_correction = options.exposure_correction;
   Run run(reader.calibration(), options);
   {
     const Stopwatch total(result.times.total);
@@ -138,11 +163,11 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
       if (!image) break;
       run.process(*image, result);
       progress(result.skipped + ++taken);
-      if (taken == options.stop_if_corrected_within && run.corrected()) break;
+      if (taken == options.stop_if_learnt_within && run.hasLearnt(result)) break;
     }
     run.finish(result);
     const std::size_t processed = result.log.frames().size();
-    result.stopped_for_calibration = run.corrected() && processed <= options.stop_if_corrected_within;
+    result.stopped_to_restart = run.hasLearnt(result) && processed <= options.stop_if_learnt_within;
   }
   result.correction = run.correction();
   result.trajectory = run.trajectory();

@@ -43,7 +43,7 @@ std::string optionalText(const std::optional<Value>& value, int decimals) {
 void writeCalibration(const OfflineResult& result, std::ostream& out) {
   using Correction = CalibrationCorrection;
   const Correction& c = result.correction;
-  out << "calibration_restarts: " << result.calibration_restarts << "\n";
+  out << "restarts: " << result.restarts << "\n";
   out << "calibration_correction: {focal: " << c[Correction::kFocal] << ", centre_x: " << c[Correction::kCentreX]
       << ", centre_y: " << c[Correction::kCentreY] << ", k1: " << c[Correction::kK1] << ", k2: " << c[Correction::kK2]
       << ", row_time: " << c[Correction::kRowTime] << "}\n";

@@ -11,11 +11,12 @@ namespace mba_vo {
 struct CalibratedRun {
   std::function<std::unique_ptr<SequenceReader>()> open;  // the sequence, from its beginning
   ProgressCallback progress;
-  std::function<void(const CalibrationCorrection&)> onRestart;  // may be empty
+  std::function<void(const OfflineResult&)> onRestart;  // with what made it necessary; may be empty
 };
 
-/// Runs the odometry over a whole sequence. Where the images say that the calibration is wrong, it is begun anew with
-/// the corrected one, so that the beginning gains as well; a right calibration costs nothing.
+/// Runs the odometry over a whole sequence. Where the images say that the calibration is wrong, or what exposure those
+/// have that came without, it is begun anew with that, so that the beginning gains as well; where nothing is to be
+/// learnt it costs nothing.
 OfflineResult runCalibrated(const CalibratedRun& run, OfflineOptions options);
 
 }  // namespace mba_vo

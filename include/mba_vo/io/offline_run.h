@@ -11,14 +11,23 @@
 
 namespace mba_vo {
 
+/// What is to be done about the exposures of a sequence.
+struct ExposureCorrection {
+  std::optional<double> missing;  // of images that came without one [s]; nullopt = not known
+  double factor = 1.0;            // by which those that came are too short
+
+  bool operator==(const ExposureCorrection& o) const { return missing == o.missing && factor == o.factor; }
+};
+
 struct OfflineOptions {
   OdometryConfig config;
-  std::optional<double> exposure;  // for every image [s], 0 = instantaneous; nullopt = as recorded
-  std::size_t skip = 0;            // images left out at the beginning
-  std::size_t frames = 0;          // images taken after these, 0 = all
-  int reference_delay_frames = 0;  // from a keyframe to the frame that is first aligned to it
-  // Among so many images a correction of the calibration ends the run, at the last of them; 0 = it goes on.
-  std::size_t stop_if_corrected_within = 0;
+  std::optional<double> exposure;          // for every image [s], 0 = instantaneous; nullopt = as recorded
+  ExposureCorrection exposure_correction;  // else
+  std::size_t skip = 0;                    // images left out at the beginning
+  std::size_t frames = 0;                  // images taken after these, 0 = all
+  int reference_delay_frames = 0;          // from a keyframe to the frame that is first aligned to it
+  // What is learnt about the camera from so many images ends the run, at the last of them; 0 = it goes on.
+  std::size_t stop_if_learnt_within = 0;
 };
 
 /// Wall-clock time by stage [s].
@@ -33,13 +42,14 @@ struct StageTimes {
 struct OfflineResult {
   RunLog log;
   std::vector<TrajectoryEntry> trajectory;
-  CalibrationCorrection correction;  // of the calibration, at the end
-  std::vector<MapPoint> points;      // of the last map
+  CalibrationCorrection correction;        // of the calibration, at the end
+  ExposureCorrection exposure_correction;  // that which was given, or, if the images contradict it, as they say
+  std::vector<MapPoint> points;            // of the last map
   StageTimes times;
   std::size_t skipped = 0;
-  bool stopped_for_calibration = false;
-  int calibration_restarts = 0;  // of the run, each with a better calibration
-  ExposureEstimate exposure;     // the latest
+  bool stopped_to_restart = false;
+  int restarts = 0;           // of the run, each with what was learnt about the camera
+  ExposureEstimate exposure;  // the latest
 };
 
 /// Called after every image with the number of images done.
