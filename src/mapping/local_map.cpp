@@ -112,12 +112,22 @@ KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const Vecto
 
   addKeyframe(tracked.frame, sharp, T_map_keyframe, velocity, tracked.brightness);
   window_.addResidualsTo(newestKeyframe());
-  Clock::time_point stage = Clock::now();
+  const Clock::time_point stage = Clock::now();
   activatePoints();
   report.activation_ms = millisecondsSince(stage);
 
+  report.keyframe_id = newestKeyframe();
+  report.frame_sequence = tracked.frame->sequence;
+  report.mid_exposure_ns = tracked.frame->mid_exposure_ns;
+  report.blur_length_px = tracked.measures.blur_length_px;
+  report.total_ms = millisecondsSince(begin);
+  return report;
+}
+
+void LocalMap::refineWindow(KeyframeReport& report) {
+  const Clock::time_point begin = Clock::now();
   updateSlopes();
-  stage = Clock::now();
+  Clock::time_point stage = Clock::now();
   const WindowSummary summary = window_.optimize(config_.window.max_iterations);
   storePoses();
   report.optimisation_ms = millisecondsSince(stage);
@@ -134,16 +144,11 @@ KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const Vecto
   selectImmaturePoints(keyframes_.at(newestKeyframe()));
   report.selection_ms = millisecondsSince(stage);
 
-  report.keyframe_id = newestKeyframe();
-  report.frame_sequence = tracked.frame->sequence;
-  report.mid_exposure_ns = tracked.frame->mid_exposure_ns;
-  report.blur_length_px = tracked.measures.blur_length_px;
   report.points = static_cast<int>(window_.points().size());
   report.residuals = summary.residuals;
   report.rms = summary.rms;
   report.depth_search_ms = std::exchange(depth_search_ms_, 0.0);
-  report.total_ms = millisecondsSince(begin);
-  return report;
+  report.total_ms += millisecondsSince(begin);
 }
 
 void LocalMap::activatePoints() {

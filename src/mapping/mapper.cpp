@@ -15,8 +15,9 @@ constexpr int kFramesUntilResend = 15;  // the first reference may still be on i
 
 class Mapper::Impl {
  public:
-  explicit Impl(const MapperConfig& config)
+  Impl(const MapperConfig& config, DraftCallback on_draft)
       : config_(config),
+        on_draft_(std::move(on_draft)),
         initializer_(config.initializer),
         keyframe_policy_(config.keyframe),
         calibration_(config.start_correction),
@@ -183,6 +184,8 @@ class Mapper::Impl {
       return std::nullopt;
     }
     KeyframeReport report = map_->insertKeyframe(*candidate, motion_.velocityOfMiddle());
+    publishDraft();
+    map_->refineWindow(report);
     const std::shared_ptr<Reference> reference = map_->makeReference(map_->newestKeyframe());
     report.error_px = keyframeError(report.rms, *reference);
     health_.addKeyframe(report.error_px);
@@ -192,6 +195,13 @@ class Mapper::Impl {
     store_.makeKeyframe(*candidate, reference_->id.map_id, reference_->id.keyframe_id);
     if (backward_) backward_->update(*map_);
     return report;
+  }
+
+  void publishDraft() {
+    if (!on_draft_) return;
+    const std::shared_ptr<Reference> draft = map_->makeReference(map_->newestKeyframe());
+    draft->doubt = health_.doubt();
+    on_draft_(draft);
   }
 
   /// Judged against the newest keyframe: the tracker may still be using an older one.
@@ -256,6 +266,7 @@ class Mapper::Impl {
   }
 
   MapperConfig config_;
+  DraftCallback on_draft_;  // may be empty
   Initializer initializer_;
   KeyframePolicy keyframe_policy_;
   TrajectoryStore store_;
@@ -278,7 +289,8 @@ class Mapper::Impl {
   int frames_without_reference_ = 0;
 };
 
-Mapper::Mapper(const MapperConfig& config) : impl_(std::make_unique<Impl>(config)) {}
+Mapper::Mapper(const MapperConfig& config, DraftCallback on_draft)
+    : impl_(std::make_unique<Impl>(config, std::move(on_draft))) {}
 Mapper::~Mapper() = default;
 MapperOutput Mapper::process(const TrackedFrameConstPtr& frame) { return impl_->process(frame); }
 bool Mapper::doDeferredWork() { return impl_->doDeferredWork(); }

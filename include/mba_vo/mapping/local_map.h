@@ -45,9 +45,11 @@ class LocalMap {
   /// Refines the depths of all immature points with a tracked frame.
   void searchDepths(const TrackedFrame& tracked);
 
-  /// Makes the tracked frame, which moved at `velocity`, a keyframe: deblurs, activates points, optimises
-  /// and marginalises.
+  /// Makes the tracked frame, which moved at `velocity`, a keyframe: deblurs and activates points. It can serve as a
+  /// reference from then on.
   KeyframeReport insertKeyframe(const TrackedFrame& tracked, const Vector6& velocity);
+  /// Makes it a better one: optimises the window, marginalises, selects new points. Completes the report.
+  void refineWindow(KeyframeReport& report);
 
   SE3 T_map_camera(const TrackedFrame& tracked) const;
 

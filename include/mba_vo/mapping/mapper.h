@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -24,7 +25,12 @@ struct MapperOutput {
 /// trajectory store. Not thread-safe: one thread calls it.
 class Mapper {
  public:
-  explicit Mapper(const MapperConfig& config);
+  using DraftCallback = std::function<void(const ReferenceConstPtr&)>;
+
+  /// `on_draft` is given a snapshot of every new keyframe before the window is optimised with it: a tracker that cannot
+  /// wait is better off with that than with the keyframe before. It is called from within process(), which then returns
+  /// the better snapshot of the same keyframe.
+  explicit Mapper(const MapperConfig& config, DraftCallback on_draft = {});
   ~Mapper();
   Mapper(const Mapper&) = delete;
   Mapper& operator=(const Mapper&) = delete;

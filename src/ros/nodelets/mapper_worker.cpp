@@ -41,7 +41,7 @@ MapperWorker::MapperWorker(ros::NodeHandle& nh, const NodeConfig& config, Mapper
       references_(nh.advertise<ReferenceMessage>("reference", 100)),
       map_publisher_(nh, config),
       queue_(static_cast<std::size_t>(kBytesPerMegabyte * config.mapper_queue_mb), bytesOf, mostDispensable),
-      mapper_(config.odometry.mapper),
+      mapper_(config.odometry.mapper, [this](const ReferenceConstPtr& draft) { publishReference(draft, *cause_); }),
       thread_([this] { run(); }) {}
 
 MapperWorker::~MapperWorker() {
@@ -82,6 +82,7 @@ void MapperWorker::process(const TrackedFrameMessage& message) {
   followSession(message.summary);
   const TrackedFrame& tracked = *message.tracked;
   const bool stale = tracked.tracked() && tracked.reference.map_id != map_id_;
+  cause_ = &message.summary;
   const MapperOutput output = mapper_.process(message.tracked);
   status_.frameProcessed(tracked, output, stale);
   if (output.reference) {

@@ -45,8 +45,9 @@ class MapperWorker {
 
   // Of the thread alone from here on.
   Mapper mapper_;
-  std::uint64_t session_ = 0;  // of the newest frame; 0 = none yet
-  MapId map_id_ = 0;           // of the newest reference
+  const TrackedFrameSummary* cause_ = nullptr;  // of the frame being processed
+  std::uint64_t session_ = 0;                   // of the newest frame; 0 = none yet
+  MapId map_id_ = 0;                            // of the newest reference
 
   std::thread thread_;
 };
