@@ -1,3 +1,4 @@
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <ostream>
@@ -152,6 +153,15 @@ const LoopState kLoopStates[] = {
      [](TrackingLoop& loop) {
        trackFrom(loop, 1, 3);
        EXPECT_TRUE(loop.process(test::later(cv::Mat1f(240, 376, 90.0F), 0.1))->blind);
+     }},
+    {"Frozen",
+     [](TrackingLoop& loop) {
+       TrackedFrameConstPtr tracked;
+       for (int i = 8; i > 0; --i) {
+         const std::int64_t time = view(0).mid_exposure_ns - i * 50000000LL;
+         tracked = loop.process(test::makeFrame(test::toFloat(view(0).blurred), time, 0.02));
+       }
+       EXPECT_TRUE(tracked->blind);
      }},
     {"TrackingOnceMore",
      [](TrackingLoop& loop) {
