@@ -21,3 +21,7 @@ target_link_libraries(tracking_study PRIVATE mba_vo_tracking mba_vo_simulation)
 add_executable(honesty_study bench/honesty_study.cpp)
 mba_vo_options(honesty_study)
 target_link_libraries(honesty_study PRIVATE mba_vo_io mba_vo_evaluation)
+
+add_executable(rotation_study bench/rotation_study.cpp)
+mba_vo_options(rotation_study)
+target_link_libraries(rotation_study PRIVATE mba_vo_odometry mba_vo_simulation mba_vo_evaluation)

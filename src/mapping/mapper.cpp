@@ -71,6 +71,7 @@ class Mapper::Impl {
     backward_.reset();
     motion_ = {};
     last_ = {};
+    frames_without_reference_ = 0;
   }
 
   ReferenceConstPtr currentReference() const { return reference_; }

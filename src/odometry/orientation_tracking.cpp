@@ -1,8 +1,10 @@
 #include "mba_vo/odometry/orientation_tracking.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "mba_vo/image/point_selector.h"
+#include "mba_vo/mapping/initializer_image.h"
 #include "mba_vo/tracking/frame_measures.h"
 
 namespace mba_vo {
@@ -20,6 +22,7 @@ constexpr double kMostReluctance = 1.5;  // how much later than a sharp one
 
 void OrientationTracking::reset() {
   reference_.reset();
+  last_frame_.reset();
   T_first_reference_ = SE3();
   motion_ = MotionState();
   brightness_ = AffineBrightness();
@@ -49,9 +52,20 @@ void OrientationTracking::changeReference(const FrameConstPtr& frame, const Affi
   reference_ = reference;
 }
 
+std::optional<MotionPrior> OrientationTracking::priorByFeatures(const FrameConstPtr& frame) const {
+  MotionPrior prior = motion_.priorAt(frame->mid_exposure_ns);
+  const Eigen::Vector3d expected = -prior.dt * prior.previous.velocity.tail<3>();
+  const ImageMotion motion = measureMotion(*makeInitializerImage(last_frame_), *makeInitializerImage(frame), expected);
+  if (!motion.measured) return std::nullopt;
+  prior.previous.velocity.tail<3>() = -motion.rotation / prior.dt;
+  prior.acceleration.setZero();
+  return prior;
+}
+
 bool OrientationTracking::track(const FrameConstPtr& frame) {
   if (!reference_ || frame->mid_exposure_ns <= motion_.lastNs()) {
     reset();
+    last_frame_ = frame;
     motion_ = MotionState(ExposureTrajectory(), frame->mid_exposure_ns);
     changeReference(frame, {});
     return true;
@@ -59,7 +73,13 @@ bool OrientationTracking::track(const FrameConstPtr& frame) {
   const double exposure = frame->exposure.value_or(config_.unknown_exposure);
   TrackingGuess guess(motion_.priorAt(frame->mid_exposure_ns), exposure);
   guess.brightness = brightness_;
-  const TrackedFrame tracked = tracker_.track(*reference_, frame, guess);
+  TrackedFrame tracked = tracker_.track(*reference_, frame, guess);
+  if (const auto prior = tracked.tracked() ? std::nullopt : priorByFeatures(frame)) {
+    guess = TrackingGuess(*prior, exposure);
+    guess.brightness = brightness_;
+    tracked = tracker_.track(*reference_, frame, guess);
+  }
+  last_frame_ = frame;
   if (!tracked.tracked()) {
     motion_ = MotionState(guess.trajectory, frame->mid_exposure_ns);
     changeReference(frame, brightness_);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "mba_vo/tracking/motion_state.h"
 #include "mba_vo/tracking/tracker.h"
@@ -24,10 +25,14 @@ class OrientationTracking {
 
  private:
   void changeReference(const FrameConstPtr& frame, const AffineBrightness& brightness);
+  /// Predicts how the camera has turned since the last frame by features, if there are any: they find turns that come
+  /// as a surprise, the first of all for one, where an alignment may end in a wrong valley.
+  std::optional<MotionPrior> priorByFeatures(const FrameConstPtr& frame) const;
 
   Tracker tracker_;
   TrackerConfig config_;
   std::shared_ptr<const Reference> reference_;
+  FrameConstPtr last_frame_;
   SE3 T_first_reference_;
   MotionState motion_;  // relative to the reference
   AffineBrightness brightness_;
