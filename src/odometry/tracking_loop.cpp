@@ -1,6 +1,7 @@
 #include "mba_vo/odometry/tracking_loop.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,11 +17,12 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kMapperTime = 1.0;          // [s] frames wait for so much longer than the initialiser keeps them
-constexpr double kLongestHold = 0.3;         // [s] for a keyframe that was asked for
-constexpr double kRevisionNeed = 1.5;        // of a keyframe, 1 = the next sharp frame would do
-constexpr double kProvisionalNeed = 2.0;     // the same
-constexpr double kHoldingNeed = 4.0;         // the same
+constexpr double kMapperTime = 1.0;       // [s] frames wait for so much longer than the initialiser keeps them
+constexpr double kLongestHold = 0.3;      // [s] for a keyframe that was asked for
+constexpr double kRevisionNeed = 1.5;     // of a keyframe, 1 = the next sharp frame would do
+constexpr double kProvisionalNeed = 2.0;  // the same
+constexpr double kHoldingNeed = 4.0;      // the same
+constexpr double kLostNeed = std::numeric_limits<double>::infinity();
 constexpr double kLongestProvisional = 0.5;  // [s]
 constexpr double kLongestRevision = 1.0;     // [s] of frames that are tracked once more while new ones come
 constexpr double kUnknownVariance = 1e6;     // of a position that nothing has measured [m^2]
@@ -47,7 +49,7 @@ class TrackingLoop::Impl {
       reference_.reset();
       no_map_reason_ = "lost for too long, no map yet";
     }
-    if (goesAhead() && newest_need_ < kProvisionalNeed) goOnFromNewest();
+    if (goesAhead() && worst_need_ < kProvisionalNeed) goOnFromNewest();
     if (reference_ && waiting_.empty()) {
       auto tracked = track({frame, true, false, false, {}});
       if (image_check_.repeated()) degrade(*tracked, "the image repeats the one before");
@@ -169,13 +171,14 @@ class TrackingLoop::Impl {
   void trackAgain(const std::vector<RecentFrames::Entry>& frames) {
     if (frames.empty()) return;
     state_ = frames.front().before;
+    for (const RecentFrames::Entry& entry : frames) worst_need_ = std::max(worst_need_, entry.need);
     waiting_.addRevisions(frames);
   }
 
   void rememberNewest() {
     newest_.reset();
     if (!lost_.lost()) newest_ = state_;
-    newest_need_ = need_;
+    worst_need_ = 0.0;
   }
 
   /// While frames that have been seen badly are tracked once more, a new frame gets a first result from what is known
@@ -220,7 +223,7 @@ class TrackingLoop::Impl {
     const FrameConstPtr frame = withExposure(next.frame, exposures_.exposureFor(next.frame->exposure));
     const TrackingGuess guess = state_.guessFor(*frame, tracker_config_.unknown_exposure);
     auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
-    RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, state_};
+    RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, kLostNeed, state_};
     tracked->exposure_estimate = exposures_.estimate(next.frame->exposure.has_value());
     exposures_.add(reference_, tracked, next.frame->exposure);
     if (lost_.lost()) judgeFirstAfterLoss(tracker_config_, *tracked);
@@ -235,6 +238,7 @@ class TrackingLoop::Impl {
       if (!next.mapped && (tracked->keyframe_requested || frames_since_request_ > 0)) ++frames_since_request_;
       tracked->provisional = isProvisional(*frame);
       entry.mapped = next.mapped || !tracked->provisional;
+      entry.need = need_;
     }
     recent_.add(entry, !tracked->tracked() || need_ >= kRevisionNeed);
     return tracked;
@@ -269,7 +273,7 @@ class TrackingLoop::Impl {
   RecentFrames recent_;                  // before those that wait
   TrackingState state_;                  // relative to reference_
   std::optional<TrackingState> newest_;  // by first results, while frames are tracked once more
-  double newest_need_ = 0.0;             // of the newest of them
+  double worst_need_ = 0.0;              // of these frames, when they were tracked before
   ImageCheck image_check_;
   LostClock lost_;
   std::string no_map_reason_ = kNoMap;

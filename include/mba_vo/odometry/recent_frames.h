@@ -16,6 +16,7 @@ class RecentFrames {
     FrameConstPtr frame;
     bool in_time = false;  // its first result came when the frame did
     bool mapped = false;   // the mapper has used it
+    double need = 0.0;     // of a keyframe when it was tracked; infinite if it was lost
     TrackingState before;  // what it was predicted from, relative to the reference in use
   };
 
