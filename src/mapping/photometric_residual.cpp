@@ -38,32 +38,38 @@ void readTarget(const PairGeometry& pair, const Eigen::Vector2i& centre, double 
 constexpr int kPixels = kResidualPixels;
 constexpr int kSize = 8;  // of z = [gx gy ugx ugy, J_a, J_b, r], padded
 
-/// Residuals, weights and energies of all pixels.
+/// Residuals of all pixels.
 MBA_VO_MULTIVERSION
-void weighPixels(const PairGeometry& pair, const PatchResidual& residual, const ReblurredPatch& reblurred,
-                 float huber_threshold, PatchComparison& __restrict comparison) {
+void comparePixels(const PairGeometry& pair, const PatchResidual& residual, const ReblurredPatch& reblurred,
+                   PatchComparison& __restrict comparison) {
   const float gain = pair.gain;
   const float offset_host = pair.offset_host;
   const float offset_target = pair.offset_target;
-  float energy[kPixels];
   for (std::size_t k = 0; k < kPixels; ++k) {
     const float normalized = gain * (reblurred.value[k] - offset_host);
-    const float r = residual.intensity[k] - normalized - offset_target;
-    const float magnitude = std::abs(r);
-    const float quotient = huber_threshold / magnitude;
-    const float huber = magnitude <= huber_threshold ? 1.0F : quotient;
-    const float w = residual.weight[k] * huber;
     comparison.gx[k] = -gain * reblurred.gx[k];
     comparison.gy[k] = -gain * reblurred.gy[k];
     comparison.ugx[k] = -gain * reblurred.ugx[k];
     comparison.ugy[k] = -gain * reblurred.ugy[k];
     comparison.normalized[k] = normalized;
-    comparison.r[k] = r;
-    comparison.weight[k] = w;
-    energy[k] = w * r * r * (2.0F - huber);
+    comparison.r[k] = residual.intensity[k] - normalized - offset_target;
   }
-  comparison.energy =
-      ((energy[0] + energy[4]) + (energy[2] + energy[6])) + ((energy[1] + energy[5]) + (energy[3] + energy[7]));
+}
+
+/// Weights by Huber threshold; returns the energy.
+MBA_VO_MULTIVERSION
+float weighPixels(const std::array<float, kResidualPixels>& r, const std::array<float, kResidualPixels>& weight,
+                  float huber_threshold, PatchComparison::Pixels& __restrict weighted) {
+  float energy[kPixels];
+  for (std::size_t k = 0; k < kPixels; ++k) {
+    const float magnitude = std::abs(r[k]);
+    const float quotient = huber_threshold / magnitude;
+    const float huber = magnitude <= huber_threshold ? 1.0F : quotient;
+    const float w = weight[k] * huber;
+    weighted[k] = w;
+    energy[k] = w * r[k] * r[k] * (2.0F - huber);
+  }
+  return ((energy[0] + energy[4]) + (energy[2] + energy[6])) + ((energy[1] + energy[5]) + (energy[3] + energy[7]));
 }
 
 using FloatRow = float __attribute__((vector_size(kSize * sizeof(float))));
@@ -153,8 +159,16 @@ bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchRe
   const int samples = pair.blurred ? sampleCount(path.length(), options.sample_spacing_px, options.max_samples) : 1;
   ReblurredPatch reblurred;
   reblurPatch(*pair.host_image, path, pattern(), samples, reblurred);
-  weighPixels(pair, residual, reblurred, options.huber_threshold, comparison);
+  comparePixels(pair, residual, reblurred, comparison);
+  comparison.misfit = weighPixels(comparison.r, residual.weight, options.huber_threshold, comparison.weight);
+  weighComparison(pair, residual, options, comparison);
   return std::isfinite(comparison.energy);
+}
+
+void weighComparison(const PairGeometry& pair, const PatchResidual& residual, const ResidualOptions& options,
+                     PatchComparison& comparison) {
+  const float threshold = std::min(pair.huber_threshold, options.huber_threshold);
+  comparison.energy = weighPixels(comparison.r, residual.weight, threshold, comparison.weight);
 }
 
 void assembleSystem(const PatchComparison& comparison, const PatchPath& path, bool blurred, ResidualSystem& system) {

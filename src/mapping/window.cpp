@@ -85,6 +85,7 @@ void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
       throw std::invalid_argument("window: keyframe " + std::to_string(keyframe.id) + " is already in it");
     }
   }
+  const bool first = state_.keyframes.empty();
   KeyframeState added;
   added.id = keyframe.id;
   added.sharp = keyframe.sharp;
@@ -98,11 +99,10 @@ void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
   added.brightness_linear = keyframe.brightness;
   // Until its own residuals are known: as strict as the previous keyframe, at first twice the square of the Huber
   // threshold per pixel.
-  added.outlier_energy = state_.keyframes.empty()
-                             ? 2.0 * kResidualPixels * config_.huber_threshold * config_.huber_threshold
-                             : state_.keyframes.back().outlier_energy;
+  added.outlier_energy = first ? 2.0 * kResidualPixels * config_.huber_threshold * config_.huber_threshold
+                               : state_.keyframes.back().outlier_energy;
+  if (!first) added.huber_threshold = state_.keyframes.back().huber_threshold;
   pairs_.clear();
-  const bool first = state_.keyframes.empty();
   state_.keyframes.push_back(added);
   state_.prior.appendKeyframe();
   const int index = state_.size() - 1;

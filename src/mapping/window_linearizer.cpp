@@ -1,8 +1,10 @@
 #include "mba_vo/mapping/window_linearizer.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "mba_vo/image/parallel_for.h"
+#include "mba_vo/solver/residual_spread.h"
 
 namespace mba_vo {
 namespace {
@@ -47,7 +49,9 @@ void WindowLinearizer::evaluateResidual(const PairGeometry& pair, const PointSta
   PatchPath path;
   if (!residual.has_pixels || !makePath(pair, residual.centre, point, path)) return;
   residual.drift = projectionDrift(path, point.pixel);
-  if (comparePatch(pair, path, residual, options_, comparison)) residual.trial_energy = comparison.energy;
+  if (!comparePatch(pair, path, residual, options_, comparison)) return;
+  residual.trial_energy = comparison.energy;
+  residual.misfit = comparison.misfit;
 }
 
 void WindowLinearizer::placePixels(WindowState& state, float max_drift) const {
@@ -77,6 +81,34 @@ void WindowLinearizer::evaluate(WindowState& state, const std::vector<int>& poin
     for (PatchResidual& residual : point.residuals) {
       evaluateResidual(pairOf(pairs, state, point, residual), point, residual, out.patches[patch++]);
     }
+  });
+}
+
+void WindowLinearizer::followResiduals(WindowState& state, WindowEvaluation& evaluation) const {
+  const auto forEach = [&](const auto& body) {
+    for (std::size_t row = 0; row < evaluation.points.size(); ++row) {
+      PointState& point = state.points[static_cast<std::size_t>(evaluation.points[row])];
+      std::size_t patch = evaluation.first[row];
+      for (PatchResidual& residual : point.residuals) {
+        PatchComparison& comparison = evaluation.patches[patch++];
+        if (!std::isnan(residual.trial_energy)) body(point, residual, comparison);
+      }
+    }
+  };
+  std::vector<std::vector<float>> sizes(state.keyframes.size());
+  forEach([&](const PointState&, const PatchResidual& residual, const PatchComparison& comparison) {
+    auto& into = sizes[static_cast<std::size_t>(residual.target)];
+    for (const float r : comparison.r) into.push_back(std::abs(r));
+  });
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    if (sizes[i].empty()) continue;
+    const double largest = static_cast<double>(options_.huber_threshold);
+    state.keyframes[i].huber_threshold = static_cast<float>(huberThreshold(residualSpread(sizes[i]), largest));
+  }
+  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_);
+  forEach([&](const PointState& point, PatchResidual& residual, PatchComparison& comparison) {
+    weighComparison(pairOf(pairs, state, point, residual), residual, options_, comparison);
+    residual.trial_energy = comparison.energy;
   });
 }
 

@@ -33,15 +33,23 @@ double outlierEnergy(std::vector<float>& energies, double huber_threshold) {
 struct WindowOptimizer::Backup {
   std::vector<KeyframeState> keyframes;
   std::vector<double> inverse_depths;
+  std::vector<float> misfits;  // of the residuals, point by point
   MarginalizationPrior prior;
 
   explicit Backup(const WindowState& state) : keyframes(state.keyframes), prior(state.prior) {
-    for (const PointState& p : state.points) inverse_depths.push_back(p.inverse_depth);
+    for (const PointState& p : state.points) {
+      inverse_depths.push_back(p.inverse_depth);
+      for (const PatchResidual& r : p.residuals) misfits.push_back(r.misfit);
+    }
   }
   void restore(WindowState& state) const {
     state.keyframes = keyframes;
     state.prior = prior;
-    for (std::size_t i = 0; i < inverse_depths.size(); ++i) state.points[i].inverse_depth = inverse_depths[i];
+    auto misfit = misfits.begin();
+    for (std::size_t i = 0; i < inverse_depths.size(); ++i) {
+      state.points[i].inverse_depth = inverse_depths[i];
+      for (PatchResidual& r : state.points[i].residuals) r.misfit = *misfit++;
+    }
   }
 };
 
@@ -90,13 +98,16 @@ void WindowOptimizer::updateOutlierThresholds(WindowState& state) const {
     }
   }
   for (std::size_t i = 0; i < energies.size(); ++i) {
-    state.keyframes[i].outlier_energy = outlierEnergy(energies[i], huber_threshold_);
+    KeyframeState& keyframe = state.keyframes[i];
+    const double huber_threshold = std::min(huber_threshold_, static_cast<double>(keyframe.huber_threshold));
+    keyframe.outlier_energy = outlierEnergy(energies[i], huber_threshold);
   }
 }
 
 void WindowOptimizer::begin(WindowState& state) {
   linearizer_.placePixels(state, options_.max_drift_px);
   evaluateAll(state);
+  linearizer_.followResiduals(state, evaluation_);
   acceptEnergies(state);
   updateOutlierThresholds(state);
   linearizer_.assemble(state, evaluation_, system_);
@@ -153,7 +164,7 @@ void WindowOptimizer::finish(WindowState& state, const DepthPrior& depth_prior, 
       const bool good = state.isGood(residual);
       residual.bad_rounds = good ? 0 : residual.bad_rounds + 1;
       summary.residuals += good ? 1 : 0;
-      energy += good ? static_cast<double>(residual.energy) : 0.0;
+      energy += good ? static_cast<double>(residual.misfit) : 0.0;
     }
     auto& residuals = point.residuals;
     residuals.erase(std::remove_if(residuals.begin(), residuals.end(),

@@ -5,12 +5,14 @@
 #include <cmath>
 
 #include "mba_vo/blur/commuted_blur.h"
+#include "mba_vo/solver/residual_spread.h"
 #include "mba_vo/tracking/patch_sums.h"
 
 namespace mba_vo {
 namespace {
 
-constexpr double kReselectShift = 1.0;  // [px] mean motion of the points after which the patches are chosen anew
+constexpr std::size_t kSpreadStride = 4;  // of the patches that tell the spread of the residuals: they are many
+constexpr double kReselectShift = 1.0;    // [px] mean motion of the points after which the patches are chosen anew
 constexpr double kBrightnessGainSigma = 1.0;
 constexpr double kBrightnessOffsetSigma = 50.0;  // [grey levels]
 
@@ -131,6 +133,39 @@ double AlignmentProblem::stepSize(const Step& step) const {
   return std::max(motion(0), (0.5 + last_row) * motion(6));
 }
 
+PatchPathMaker AlignmentProblem::pathMaker(const AlignmentState& state) const {
+  const double exposure = rolling_ ? options_.exposure : 1.0;
+  const ExposureTrajectory trajectory{state.T_reference_mid, state.xi / exposure, exposure,
+                                      state.bend / (exposure * exposure)};
+  return {reference_level_.camera, frame_level_.camera, trajectory, reference_.velocity};
+}
+
+bool AlignmentProblem::predict(const Patch& patch, const PatchPathMaker& maker, PatchPath& path,
+                               ReblurredPatch& predicted) const {
+  if (!maker.make(patch.centre, patch.inverse_depth, path, patch.reference_row)) return false;
+  reblurPatch(reference_level_, path, pattern_,
+              sampleCount(path.length(), static_cast<float>(options_.sample_spacing_px), options_.max_samples),
+              predicted);
+  return true;
+}
+
+void AlignmentProblem::followResiduals(const AlignmentState& state) {
+  const PatchPathMaker maker = pathMaker(state);
+  const auto gain = static_cast<float>(std::exp(state.a));
+  const auto offset = static_cast<float>(state.b);
+  std::vector<float> sizes;
+  PatchPath path;
+  ReblurredPatch predicted;
+  for (std::size_t i = 0; i < patches_.size(); i += kSpreadStride) {
+    if (!predict(patches_[i], maker, path, predicted)) continue;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(pattern_.size); ++k) {
+      const float size = std::abs(patches_[i].intensity[k] - (gain * predicted.value[k] + offset));
+      if (!std::isnan(size)) sizes.push_back(size);
+    }
+  }
+  if (!sizes.empty()) setHuberThreshold(mba_vo::huberThreshold(residualSpread(sizes), options_.huber_threshold));
+}
+
 void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker, const AlignmentState& state,
                                 QuadraticModel& model, Sums& sums) const {
   const int size = pattern_.size;
@@ -139,19 +174,17 @@ void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker,
   // A pixel that leaves the reference costs as much as one at the edge of being an outlier: leaving never pays.
   const double cost_of_leaving = loss_.cost(loss_.threshold());
   PatchPath path;
-  if (!maker.make(patch.centre, patch.inverse_depth, path, patch.reference_row)) {
+  ReblurredPatch predicted;
+  if (!predict(patch, maker, path, predicted)) {
     model.cost += size * cost_of_leaving;
     return;
   }
-  ReblurredPatch predicted;
-  reblurPatch(reference_level_, path, pattern_,
-              sampleCount(path.length(), static_cast<float>(options_.sample_spacing_px), options_.max_samples),
-              predicted);
   const auto sigma = static_cast<float>(std::sqrt(patch.inverse_depth_variance));
   PatchWeighting weighting;
   weighting.gain = static_cast<float>(std::exp(state.a));
   weighting.offset = static_cast<float>(state.b);
   weighting.huber_threshold = static_cast<float>(loss_.threshold());
+  weighting.inlier_threshold = static_cast<float>(options_.huber_threshold);
   weighting.noise = static_cast<float>(options_.depth_noise);
   weighting.depth_x = sigma * static_cast<float>(path.J_inverse_depth[0].x());
   weighting.depth_y = sigma * static_cast<float>(path.J_inverse_depth[0].y());
@@ -191,10 +224,7 @@ Eigen::Matrix<double, AlignmentProblem::kStates, AlignmentProblem::kStates> Alig
 AlignmentProblem::Equations AlignmentProblem::linearize(const AlignmentState& state) const {
   QuadraticModel model(options_.with_covariance ? patches_.size() : 0);
   Sums sums;
-  const double exposure = rolling_ ? options_.exposure : 1.0;
-  const ExposureTrajectory trajectory{state.T_reference_mid, state.xi / exposure, exposure,
-                                      state.bend / (exposure * exposure)};
-  const PatchPathMaker maker(reference_level_.camera, frame_level_.camera, trajectory, reference_.velocity);
+  const PatchPathMaker maker = pathMaker(state);
   for (const Patch& patch : patches_) addPatch(patch, maker, state, model, sums);
   Equations equations;
   model.copyTo(equations);

@@ -17,14 +17,17 @@ struct Weighted {
   alignas(64) float rows[Rows][kMaxPatchPixels];
   alignas(64) float weight[kMaxPatchPixels];
   alignas(64) float cost[kMaxPatchPixels];
+  alignas(64) float squares[kMaxPatchPixels];
   alignas(64) float inlier[kMaxPatchPixels];  // 1 or 0
 };
 
-/// Sums over the pixels of a patch: products of all pairs of rows, upper triangle row by row.
+/// Sums over the pixels of a patch: products of all pairs of rows but the residual's own square, upper triangle row by
+/// row.
 template <int Rows>
 struct Products {
-  float pairs[Rows * (Rows + 1) / 2];
+  float pairs[Rows * (Rows + 1) / 2 - 1];
   float cost;
+  float weighted_squares;
   float inlier_squares;
   float inliers;
   float valid;
@@ -64,6 +67,7 @@ template <int Rows>
                                                int count, const PatchWeighting& weighting,
                                                Weighted<Rows>& __restrict out) {
   const float t = weighting.huber_threshold;
+  const float inlier_limit = weighting.inlier_threshold;
   const float leaving = 0.5F * t * t;
   const float noise2 = weighting.noise * weighting.noise;
 #pragma GCC unroll 1
@@ -72,12 +76,14 @@ template <int Rows>
     const bool valid = r == r;  // false for NaN
     const float residual = valid ? r : 0.0F;
     const float magnitude = std::abs(residual);
-    const bool inlier = magnitude <= t;
+    const bool small = magnitude <= t;
+    const bool inlier = magnitude <= inlier_limit;
     const float beyond = t / magnitude;
-    const float huber_weight = inlier ? 1.0F : beyond;
+    const float huber_weight = small ? 1.0F : beyond;
     const float square_cost = 0.5F * residual * residual;
     const float linear_cost = t * (magnitude - 0.5F * t);
-    const float huber_cost = inlier ? square_cost : linear_cost;
+    const float huber_cost = small ? square_cost : linear_cost;
+    const float limited = inlier ? magnitude : inlier_limit;
     const float depth = weighting.gain * (predicted.gx[k] * weighting.depth_x + predicted.gy[k] * weighting.depth_y);
     const float certainty = noise2 / (noise2 + depth * depth);
     const float weight = certainty * huber_weight;
@@ -85,6 +91,7 @@ template <int Rows>
     const float one = valid ? 1.0F : 0.0F;
     out.weight[k] = valid ? weight : 0.0F;
     out.cost[k] = valid ? cost : leaving;
+    out.squares[k] = certainty * limited * magnitude;
     out.inlier[k] = inlier ? one : 0.0F;
     out.rows[Rows - 2][k] = one;
     out.rows[Rows - 1][k] = residual;
@@ -126,12 +133,12 @@ template <int Rows>
   Weighted<Rows> pixels;
   weighPixels(predicted, intensity, count, weighting, pixels);
   for (int k = size; k < count; ++k) {
-    pixels.weight[k] = pixels.cost[k] = pixels.inlier[k] = 0.0F;
+    pixels.weight[k] = pixels.cost[k] = pixels.squares[k] = pixels.inlier[k] = 0.0F;
     pixels.rows[Rows - 2][k] = pixels.rows[Rows - 1][k] = 0.0F;
   }
   copyMoments(predicted, count, pixels);
   float* __restrict pair = out.pairs;
-  for (int i = 0; i < Rows; ++i) {
+  for (int i = 0; i < Rows - 1; ++i) {
     alignas(64) float weighted[kMaxPatchPixels];
     for (int k = 0; k < count; ++k) weighted[k] = pixels.weight[k] * pixels.rows[i][k];
     for (int j = i; j < Rows; ++j) *pair++ = sumOfProducts(weighted, pixels.rows[j], count);
@@ -141,6 +148,7 @@ template <int Rows>
   for (int k = 0; k < count; ++k) inlier_residual[k] = pixels.inlier[k] * residual[k];
   out.inlier_squares = sumOfProducts(inlier_residual, residual, count);
   out.cost = sumOf(pixels.cost, count);
+  out.weighted_squares = sumOf(pixels.squares, count);
   out.inliers = sumOf(pixels.inlier, count);
   out.valid = sumOf(pixels.rows[Rows - 2], count);
 }
@@ -177,7 +185,7 @@ PatchSums toPatchSums(const Products<Rows>& products) {
     }
     sums.residuals(row) = *pair++;
   }
-  sums.weighted_squares = *pair;
+  sums.weighted_squares = products.weighted_squares;
   sums.cost = products.cost;
   sums.inlier_squares = products.inlier_squares;
   sums.inliers = static_cast<int>(products.inliers);

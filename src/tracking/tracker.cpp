@@ -21,6 +21,7 @@ constexpr double kCommonPoseError = 0.015;    // [px] std. deviation of what all
 constexpr double kCommonXiError = 0.1;        // interpolation does; found with bench/tracking_study
 constexpr double kRelativeXiError = 0.006;    // of the blur: the motion of a long path is not quite what is modelled
 constexpr double kLargestAcceleration = 3.0;  // standard deviations of the motion prior
+constexpr double kFollowResiduals = 0.0;      // in place of a Huber threshold: one that suits them
 constexpr double kShortestExposure = 1e-4;    // [s] a rolling shutter tells the velocity even if nothing is blurred
 
 /// Coarse levels see less detail per patch, and 9x9 pixels there span too much depth.
@@ -78,6 +79,7 @@ struct Tracker::Job {
 struct Tracker::LevelResult {
   LevenbergMarquardtSummary<AlignmentState, AlignmentProblem::Equations> minimum;
   int patches = 0;
+  double huber_threshold = 0.0;  // [grey levels]
   double meanCost() const { return patches > 0 ? minimum.equations.cost / patches : 1e30; }
 };
 
@@ -108,8 +110,9 @@ Vector6 Tracker::bendFor(const Job& job, const AlignmentState& state) const {
   return bend.cwiseMax(-largest).cwiseMin(largest);
 }
 
-Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentState& initial,
-                                    int max_iterations) const {
+/// `huber_threshold`: or kFollowResiduals.
+Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentState& initial, int max_iterations,
+                                    double huber_threshold) const {
   const PatchPattern pattern = PatchPattern::square(patchSide(level));
   AlignmentOptions options;
   options.huber_threshold = config_.huber_threshold;
@@ -121,10 +124,15 @@ Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentSt
   options.with_covariance = level == 0;
   AlignmentProblem problem(job.reference, job.points[static_cast<std::size_t>(level)], job.frame, level, pattern,
                            options, priorFor(job, initial), initial);
+  if (huber_threshold > 0.0) {
+    problem.setHuberThreshold(huber_threshold);
+  } else {
+    problem.followResiduals(initial);
+  }
   LevenbergMarquardtOptions lm;
   lm.max_iterations = max_iterations;
   lm.promised_decrease = lm.relative_decrease;
-  return {minimize(problem, initial, lm), problem.patches()};
+  return {minimize(problem, initial, lm), problem.patches(), problem.huberThreshold()};
 }
 
 std::vector<AlignmentState> Tracker::starts(const Job& job) const {
@@ -150,7 +158,9 @@ std::vector<AlignmentState> Tracker::starts(const Job& job) const {
 
 AlignmentState Tracker::bestStart(const Job& job, int level) const {
   std::vector<LevelResult> coarse;
-  for (const AlignmentState& start : starts(job)) coarse.push_back(align(job, level, start, kStartIterations));
+  for (const AlignmentState& start : starts(job)) {
+    coarse.push_back(align(job, level, start, kStartIterations, config_.huber_threshold));
+  }
   const auto better = [](const auto& l, const auto& r) { return l.meanCost() < r.meanCost(); };
   std::sort(coarse.begin(), coarse.end(), better);
   // The coarsest level tells little: the best few that differ there are compared again one level finer.
@@ -167,7 +177,8 @@ AlignmentState Tracker::bestStart(const Job& job, int level) const {
   if (candidates.size() == 1) return candidates.front()->minimum.state;
   std::vector<LevelResult> finer;
   for (const LevelResult* candidate : candidates) {
-    finer.push_back(align(job, std::max(level - 1, 0), candidate->minimum.state, kStartIterations));
+    finer.push_back(
+        align(job, std::max(level - 1, 0), candidate->minimum.state, kStartIterations, config_.huber_threshold));
   }
   return std::min_element(finer.begin(), finer.end(), better)->minimum.state;
 }
@@ -181,7 +192,7 @@ Tracker::LevelResult Tracker::preferExpectedDirection(const Job& job, const Leve
   AlignmentState reversed = result.minimum.state;
   reversed.xi = -xi;
   reversed.bend = bendFor(job, reversed);
-  const LevelResult other = align(job, 0, reversed, config_.max_iterations);
+  const LevelResult other = align(job, 0, reversed, config_.max_iterations, result.huber_threshold);
   const bool same_data = other.patches >= result.patches - result.patches / 20;
   return same_data && other.meanCost() < result.meanCost() ? other : result;
 }
@@ -236,7 +247,9 @@ TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& fra
   LevelResult result{};
   for (int level = std::max(levels - 2, 0); level >= 0; --level) {
     state.bend = bendFor(job, state);
-    result = align(job, level, state, config_.max_iterations);
+    // Coarser levels start far off: residuals there tell about the start, not about the images.
+    const double huber_threshold = level == 0 ? kFollowResiduals : config_.huber_threshold;
+    result = align(job, level, state, config_.max_iterations, huber_threshold);
     state = result.minimum.state;
   }
   result = preferExpectedDirection(job, result);

@@ -223,6 +223,29 @@ TEST(AlignmentProblem, PatchesAreChosenAnewOnlyAfterALargeMotion) {
   EXPECT_FALSE(problem.refresh(moved));
 }
 
+TEST(AlignmentProblem, TheHuberThresholdFollowsTheResidualsButNotTheOutliers) {
+  SmoothScene scene = makeScene();
+  AlignmentOptions options;
+  const AlignmentState same;  // the frame is the reference, but for the noise
+  for (const double sigma : {1.0, 2.5, 20.0}) {
+    test::Random random(10);
+    cv::Mat1f image = scene.reference->pyramid->level(0).intensity.clone();
+    for (float& intensity : image) {
+      intensity += static_cast<float>(random.uniform(0.0, 1.0) < 0.15 ? 100.0 : random.normal(sigma));
+    }
+    auto frame = std::make_shared<Frame>(*scene.frame);
+    frame->pyramid = ImagePyramid(image, scene.reference->pyramid->level(0).camera, 1);
+    AlignmentProblem problem(*scene.reference, scene.points, *frame, 0, kPattern, options, std::nullopt, same);
+    EXPECT_EQ(problem.huberThreshold(), options.huber_threshold);
+    problem.followResiduals(same);
+    if (sigma > 10.0) {
+      EXPECT_EQ(problem.huberThreshold(), options.huber_threshold);
+    } else {
+      EXPECT_NEAR(problem.huberThreshold(), 2.5 * sigma, 0.3 * 2.5 * sigma);
+    }
+  }
+}
+
 TEST(AlignmentProblem, LeavingTheReferenceNeverPays) {
   // A pose that sees only a part of the reference may not be cheaper than the right one.
   SmoothScene scene = makeScene();

@@ -110,5 +110,32 @@ TEST(QuadraticModel, OfARollingShutterToo) { expectSameAsPixelByPixel(true, true
 
 TEST(QuadraticModel, WithoutMotionXiIsNoState) { expectSameAsPixelByPixel(false, false); }
 
+// How robust the estimate is does not change what counts as a good fit.
+TEST(QuadraticModel, TheFitIsJudgedByTheInlierThreshold) {
+  test::Random random(9);
+  const Sample s = randomSample(random, false);
+  PatchWeighting weighting;
+  weighting.gain = static_cast<float>(kGain);
+  weighting.offset = static_cast<float>(kOffset);
+  weighting.huber_threshold = 2.0F;
+  weighting.inlier_threshold = 12.0F;
+  const PatchSums sums = sumPatch(s.predicted, s.intensity, kPixels, true, weighting);
+  const HuberLoss loss(12.0);
+  int inliers = 0;
+  int between = 0;
+  double weighted_squares = 0.0;
+  for (std::size_t k = 0; k < kPixels; ++k) {
+    const double r = s.intensity[k] - (kGain * s.predicted.value[k] + kOffset);
+    if (std::isnan(r)) continue;
+    inliers += std::abs(r) <= 12.0 ? 1 : 0;
+    between += std::abs(r) > 2.0 && std::abs(r) <= 12.0 ? 1 : 0;
+    weighted_squares += loss.weight(r) * r * r;
+  }
+  ASSERT_GT(between, 5);
+  ASSERT_LT(inliers, kPixels - 2);
+  EXPECT_EQ(sums.inliers, inliers);
+  EXPECT_NEAR(sums.weighted_squares, weighted_squares, 1e-5 * weighted_squares);
+}
+
 }  // namespace
 }  // namespace mba_vo

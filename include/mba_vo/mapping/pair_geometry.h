@@ -21,9 +21,10 @@ struct PairGeometry {
   std::optional<FixedMotionPathMaker> first_path;  // at the linearisation points, if they differ
   std::optional<CommutedBlur> commuted;            // if the host's image is itself blurred
   bool blurred = false;
-  float gain = 1.0F;                 // exp(a_target - a_host)
-  float offset_host = 0.0F;          // b_host
-  float offset_target = 0.0F;        // b_target
+  float huber_threshold = std::numeric_limits<float>::infinity();  // the target's
+  float gain = 1.0F;                                               // exp(a_target - a_host)
+  float offset_host = 0.0F;                                        // b_host
+  float offset_target = 0.0F;                                      // b_target
   Matrix8 J_host = Matrix8::Zero();  // d (target's states) / d (host's states) with equal effect on the residual
 };
 

@@ -8,7 +8,7 @@
 namespace mba_vo {
 
 struct ResidualOptions {
-  float huber_threshold = 9.0F;     // [grey levels]
+  float huber_threshold = 9.0F;     // the largest [grey levels]
   float gradient_constant = 50.0F;  // c of the weight c^2 / (c^2 + |gradient|^2); 0 = weight 1 [grey levels / px]
   float sample_spacing_px = 1.25F;  // along the blur path
   int max_samples = 64;
@@ -31,11 +31,16 @@ struct PatchComparison {
   Pixels r;                             // [grey levels]
   Pixels weight;                        // of r^2, with Huber's
   float energy = 0.0F;                  // Huber energy [grey levels^2]
+  float misfit = 0.0F;                  // the same with the options' threshold
 };
 
 /// False if the path leaves the host.
 bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
                   const ResidualOptions& options, PatchComparison& comparison);
+
+/// Weights and energy for the pair's Huber threshold, all else as it is.
+void weighComparison(const PairGeometry& pair, const PatchResidual& residual, const ResidualOptions& options,
+                     PatchComparison& comparison);
 
 /// Gauss-Newton terms of one residual in the target's states (pose, a, b) and the inverse depth.
 struct ResidualSystem {

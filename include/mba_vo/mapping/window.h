@@ -33,7 +33,7 @@ struct WindowConfig {
     v("max_keyframes", c.max_keyframes, 3, 20, "keyframes in the window");
     v("max_points", c.max_points, 100, 20000, "active points in the window");
     v("max_iterations", c.max_iterations, 1, 50, "iterations of the bundle adjustment per keyframe");
-    v("huber_threshold", c.huber_threshold, 0.1, 255.0, "Huber threshold of the residual [grey levels]");
+    v("huber_threshold", c.huber_threshold, 0.1, 255.0, "largest Huber threshold of the residual [grey levels]");
     v("reblur_targets", c.reblur_targets, "compare the re-blurred host patch with the target's original image");
     v("gradient_constant", c.gradient_constant, 0.0, 1000.0,
       "c of the residual weight c^2 / (c^2 + gradient^2), 0 = no weight [grey levels / px]");

@@ -27,6 +27,8 @@ class WindowLinearizer {
 
   /// Evaluates all residuals of the points numbered `points` at the current state: writes their trial_energy and drift.
   void evaluate(WindowState& state, const std::vector<int>& points, WindowEvaluation& out) const;
+  /// Gives every keyframe the Huber threshold that suits the residuals into it, and weighs them by it.
+  void followResiduals(WindowState& state, WindowEvaluation& evaluation) const;
   /// As placePixels, and evaluates the residuals concerned, all else as in `evaluation` of the current state.
   void replacePixels(WindowState& state, float max_drift, WindowEvaluation& evaluation) const;
 

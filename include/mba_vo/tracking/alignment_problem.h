@@ -25,7 +25,7 @@ struct AlignmentState {
 };
 
 struct AlignmentOptions {
-  double huber_threshold = 9.0;  // [grey levels]
+  double huber_threshold = 9.0;  // [grey levels] also that of an inlier
   double sample_spacing_px = 1.25;
   int max_samples = 64;
   bool estimate_xi = true;       // false: the exposure is instantaneous, xi stays zero
@@ -48,7 +48,7 @@ struct AlignmentPrior {
 struct AlignmentStatistics {
   int patches = 0;               // with at least one valid pixel
   int pixels = 0;                // valid
-  double inlier_fraction = 0.0;  // pixels below the Huber threshold, of all pixels that were to be used
+  double inlier_fraction = 0.0;  // pixels below the options' Huber threshold, of all pixels that were to be used
   double rms = 0.0;              // of the inliers [grey levels]
   double weighted_rms = 0.0;     // of all valid pixels, Huber-weighted [grey levels]
 };
@@ -80,6 +80,12 @@ class AlignmentProblem {
   /// About how far the step moves the image [px on this level].
   double stepSize(const Step& step) const;
 
+  /// From now on the Huber threshold is one that suits the residuals at `state`, but no larger than that of the
+  /// options.
+  void followResiduals(const AlignmentState& state);
+  void setHuberThreshold(double threshold) { loss_ = HuberLoss(threshold); }
+  double huberThreshold() const { return loss_.threshold(); }
+
   int patches() const { return static_cast<int>(patches_.size()); }
   double medianInverseDepth() const { return median_inverse_depth_; }
 
@@ -96,6 +102,9 @@ class AlignmentProblem {
   void selectPatches(const AlignmentState& state);
   std::optional<Eigen::Vector2d> projectPoint(const ReferencePoint& point, const SE3& T_frame_reference,
                                               const Vector6& velocity) const;
+  PatchPathMaker pathMaker(const AlignmentState& state) const;
+  /// False if the path leaves the reference.
+  bool predict(const Patch& patch, const PatchPathMaker& maker, PatchPath& path, ReblurredPatch& predicted) const;
   void addPatch(const Patch& patch, const PatchPathMaker& maker, const AlignmentState& state, QuadraticModel& model,
                 Sums& sums) const;
   void addPriors(const AlignmentState& state, Equations& equations) const;

@@ -32,7 +32,7 @@ struct TrackerConfig {
     v("pyramid_levels", c.pyramid_levels, 1, 8, "image pyramid levels");
     v("max_points", c.max_points, 20, 5000, "patches aligned per frame");
     v("max_iterations", c.max_iterations, 1, 100, "Levenberg-Marquardt evaluations per level");
-    v("huber_threshold", c.huber_threshold, 0.1, 255.0, "Huber threshold of the residual [grey levels]");
+    v("huber_threshold", c.huber_threshold, 0.1, 255.0, "largest Huber threshold of the residual [grey levels]");
     v("sample_spacing_px", c.sample_spacing_px, 0.1, 10.0, "spacing of samples along the blur path [px]");
     v("max_samples", c.max_samples, 1, 256, "most samples along the blur path");
     v("unknown_exposure", c.unknown_exposure, 0.0, 1.0, "exposure assumed where it is unknown, at first [s]");
@@ -72,7 +72,8 @@ class Tracker {
   std::vector<AlignmentState> starts(const Job& job) const;
   AlignmentState bestStart(const Job& job, int level) const;
   Vector6 bendFor(const Job& job, const AlignmentState& state) const;
-  LevelResult align(const Job& job, int level, const AlignmentState& initial, int max_iterations) const;
+  LevelResult align(const Job& job, int level, const AlignmentState& initial, int max_iterations,
+                    double huber_threshold) const;
   LevelResult preferExpectedDirection(const Job& job, const LevelResult& result) const;
   std::optional<AlignmentPrior> priorFor(const Job& job, const AlignmentState& state) const;
   Matrix12 covarianceOf(const Job& job, const LevelResult& result, double blur_px) const;

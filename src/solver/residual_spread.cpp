@@ -1,0 +1,26 @@
+#include "mba_vo/solver/residual_spread.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace mba_vo {
+namespace {
+
+constexpr double kSigmaOfMedian = 1.4826;  // standard deviation over median size of a normal distribution
+constexpr double kClearlyOff = 2.5;        // [standard deviations]
+constexpr double kLeast = 1.5;             // [grey levels] what the noise of two images differs by
+
+}  // namespace
+
+double residualSpread(std::vector<float>& sizes) {
+  if (sizes.empty()) return 0.0;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return kSigmaOfMedian * static_cast<double>(*middle);
+}
+
+double huberThreshold(double spread, double largest) {
+  return std::min(std::max(kClearlyOff * spread, kLeast), largest);
+}
+
+}  // namespace mba_vo
