@@ -185,7 +185,7 @@ class Mapper::Impl {
       return std::nullopt;
     }
     KeyframeReport report = map_->insertKeyframe(*candidate, motion_.velocityOfMiddle());
-    publishDraft();
+    if (on_draft_) on_draft_(map_->makeReference(map_->newestKeyframe(), health_.doubt()));
     map_->refineWindow(report);
     const std::shared_ptr<Reference> reference = map_->makeReference(map_->newestKeyframe());
     report.error_px = keyframeError(report.rms, *reference);
@@ -196,13 +196,6 @@ class Mapper::Impl {
     store_.makeKeyframe(*candidate, reference_->id.map_id, reference_->id.keyframe_id);
     if (backward_) backward_->update(*map_);
     return report;
-  }
-
-  void publishDraft() {
-    if (!on_draft_) return;
-    const std::shared_ptr<Reference> draft = map_->makeReference(map_->newestKeyframe());
-    draft->doubt = health_.doubt();
-    on_draft_(draft);
   }
 
   /// Judged against the newest keyframe: the tracker may still be using an older one.
@@ -229,9 +222,8 @@ class Mapper::Impl {
       map_ = recovery_.windowAt(found, *map_, store_, calibration_);
     }
     const KeyframeId keyframe = map_->has(found.keyframe) ? found.keyframe : map_->newestKeyframe();
-    const std::shared_ptr<Reference> reference = map_->makeReference(keyframe);
+    const std::shared_ptr<Reference> reference = map_->makeReference(keyframe, health_.doubt());
     reference->hint = found.hint;
-    reference->doubt = health_.doubt();
     reference_ = reference;
     candidate_.reset();
     last_ = found.hint;

@@ -1,12 +1,12 @@
 #include "mba_vo/odometry/tracking_loop.h"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "mba_vo/odometry/image_check.h"
+#include "mba_vo/odometry/keyframe_demand.h"
 #include "mba_vo/odometry/orientation_tracking.h"
 #include "mba_vo/odometry/recent_frames.h"
 #include "mba_vo/odometry/tracking_results.h"
@@ -18,16 +18,9 @@ namespace mba_vo {
 namespace {
 
 constexpr double kMapperTime = 1.0;       // [s] frames wait for so much longer than the initialiser keeps them
-constexpr double kLongestHold = 0.3;      // [s] for a keyframe that was asked for
-constexpr double kRevisionNeed = 1.5;     // of a keyframe, 1 = the next sharp frame would do
-constexpr double kProvisionalNeed = 2.0;  // the same
-constexpr double kHoldingNeed = 4.0;      // the same
-constexpr double kLostNeed = std::numeric_limits<double>::infinity();
-constexpr double kLongestProvisional = 0.5;  // [s]
-constexpr double kLongestRevision = 1.0;     // [s] of frames that are tracked once more while new ones come
-constexpr double kUnknownVariance = 1e6;     // of a position that nothing has measured [m^2]
+constexpr double kLongestRevision = 1.0;  // [s] of frames that are tracked once more while new ones come
+constexpr double kUnknownVariance = 1e6;  // of a position that nothing has measured [m^2]
 constexpr const char* kNoMap = "no map yet";
-constexpr int kFramesUntilKeyframe = 2;  // the mapper looks at one more frame before it makes a keyframe
 
 }  // namespace
 
@@ -38,7 +31,7 @@ class TrackingLoop::Impl {
         tracker_(config.tracker),
         exposures_(config.tracker),
         orientation_(config.tracker),
-        keyframe_policy_(config.keyframe),
+        demand_(KeyframePolicy(config.keyframe)),
         restart_after_lost_(config.mapper.restart_after_lost),
         longest_wait_(config.mapper.initializer.buffer_seconds + kMapperTime) {}
 
@@ -49,7 +42,7 @@ class TrackingLoop::Impl {
       reference_.reset();
       no_map_reason_ = "lost for too long, no map yet";
     }
-    if (goesAhead() && worst_need_ < kProvisionalNeed) goOnFromNewest();
+    if (goesAhead() && !KeyframeDemand::isBad(worst_need_)) goOnFromNewest();
     if (reference_ && waiting_.empty()) {
       auto tracked = track({frame, true, false, false, {}});
       if (image_check_.repeated()) degrade(*tracked, "the image repeats the one before");
@@ -89,9 +82,7 @@ class TrackingLoop::Impl {
     }
     reference_ = reference;
     lost_.find();
-    frames_since_request_ = 0;
-    hold_since_ns_.reset();
-    provisional_since_ns_.reset();
+    demand_.meet();
     std::vector<RecentFrames::Entry> frames = recent_.takeAfter(found ? state_.lastNs() : reference->mid_exposure_ns);
     if (found && !frames.empty()) frames.front().before = state_;
     if (may_go_back) trackAgain(frames);
@@ -102,7 +93,7 @@ class TrackingLoop::Impl {
     if (!reference_) return nullptr;
     waiting_.dropUntil(state_.lastNs());
     if (waiting_.empty()) newest_.reset();
-    if (waiting_.empty() || (may_hold && holds())) return nullptr;
+    if (waiting_.empty() || (may_hold && demand_.holds(waiting_))) return nullptr;
     const auto tracked = track(waiting_.takeFirst());
     if (tracked->tracked() || !newest_) return tracked;
     goOnFromNewest();
@@ -122,9 +113,7 @@ class TrackingLoop::Impl {
     lost_.find();
     no_map_reason_ = kNoMap;
     image_check_.reset();
-    frames_since_request_ = 0;
-    hold_since_ns_.reset();
-    provisional_since_ns_.reset();
+    demand_.meet();
     T_odom_first_.reset();
     T_odom_camera_ = SE3();
     T_odom_reference_ = SE3();
@@ -209,21 +198,11 @@ class TrackingLoop::Impl {
     lost_.find();
   }
 
-  /// True while waiting frames have to go on waiting for the keyframe that the last ones asked for. Measured in the
-  /// time of the frames, so that it does not depend on the machine. A frame that had its chance waits for
-  /// nothing.
-  bool holds() {
-    if (waiting_.front().in_time || frames_since_request_ < kFramesUntilKeyframe || need_ < kHoldingNeed) return false;
-    const std::int64_t newest_ns = waiting_.back().frame->mid_exposure_ns;
-    if (!hold_since_ns_) hold_since_ns_ = newest_ns;
-    return 1e-9 * static_cast<double>(newest_ns - *hold_since_ns_) < kLongestHold;
-  }
-
   std::shared_ptr<TrackedFrame> track(const WaitingFrame& next) {
     const FrameConstPtr frame = withExposure(next.frame, exposures_.exposureFor(next.frame->exposure));
     const TrackingGuess guess = state_.guessFor(*frame, tracker_config_.unknown_exposure);
     auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
-    RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, kLostNeed, state_};
+    RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, KeyframeDemand::kLost, state_};
     tracked->exposure_estimate = exposures_.estimate(next.frame->exposure.has_value());
     exposures_.add(reference_, tracked, next.frame->exposure);
     if (lost_.lost()) judgeFirstAfterLoss(tracker_config_, *tracked);
@@ -233,25 +212,12 @@ class TrackingLoop::Impl {
       lost_.find();
       state_.update(*tracked);
       T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
-      need_ = keyframe_policy_.need(*reference_, tracked->measures, tracked->brightness);
-      tracked->keyframe_requested = keyframe_policy_.takes(*reference_, tracked->measures, tracked->brightness);
-      if (!next.mapped && (tracked->keyframe_requested || frames_since_request_ > 0)) ++frames_since_request_;
-      tracked->provisional = isProvisional(*frame);
+      demand_.judge(*reference_, next.mapped, *tracked);
       entry.mapped = next.mapped || !tracked->provisional;
-      entry.need = need_;
+      entry.need = demand_.need();
     }
-    recent_.add(entry, !tracked->tracked() || need_ >= kRevisionNeed);
+    recent_.add(entry, !tracked->tracked() || demand_.isWorthRevision());
     return tracked;
-  }
-
-  /// Once the view of the reference is being left and the mapper has been asked for a keyframe, frames are provisional
-  /// until it is there; if that takes too long, they are not.
-  bool isProvisional(const Frame& frame) {
-    if (!provisional_since_ns_ && need_ >= kProvisionalNeed && frames_since_request_ > kFramesUntilKeyframe) {
-      provisional_since_ns_ = frame.mid_exposure_ns;
-    }
-    return provisional_since_ns_ &&
-           1e-9 * static_cast<double>(frame.mid_exposure_ns - *provisional_since_ns_) < kLongestProvisional;
   }
 
   /// Through the poses that came with the new snapshot: map coordinates of different moments do not mix.
@@ -265,7 +231,7 @@ class TrackingLoop::Impl {
   Tracker tracker_;
   ExposureEstimator exposures_;
   OrientationTracking orientation_;
-  KeyframePolicy keyframe_policy_;
+  KeyframeDemand demand_;
   double restart_after_lost_;  // [s]
   double longest_wait_;        // [s]
   ReferenceConstPtr reference_;
@@ -277,10 +243,6 @@ class TrackingLoop::Impl {
   ImageCheck image_check_;
   LostClock lost_;
   std::string no_map_reason_ = kNoMap;
-  double need_ = 0.0;             // of a keyframe
-  int frames_since_request_ = 0;  // that a keyframe was asked for, counting the asking one
-  std::optional<std::int64_t> hold_since_ns_;
-  std::optional<std::int64_t> provisional_since_ns_;
   SE3 T_odom_camera_;
   SE3 T_odom_reference_;
   std::optional<SE3> T_odom_first_;  // of the first frame without a map

@@ -1,9 +1,12 @@
-#include <filesystem>
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <vector>
 
 #include <gtest/gtest.h>
 
-#include "mba_vo/io/sequence.h"
 #include "mba_vo/odometry/odometry.h"
+#include "support/rendered_sequence.h"
 
 namespace mba_vo {
 namespace {
@@ -13,17 +16,21 @@ struct Step {
   std::optional<ReferenceId> emitted;  // by the mapper because of this frame
 };
 
-std::vector<Step> runSteps(const std::string& folder, int delay, int frames) {
-  const auto reader = openSequenceFolder(folder, "images_sharp");
+/// Sharp images are enough to tell which reference is used when.
+const std::vector<FrameConstPtr>& frames() {
+  constexpr int kFrames = 60;
+  static const std::vector<FrameConstPtr> frames =
+      test::toFrames(test::renderFrames(test::sequenceConfig(0.0), 0, kFrames), true, 0.0);
+  return frames;
+}
+
+std::vector<Step> runSteps(int delay) {
   OdometryConfig config;
   config.mapper.deterministic = true;
-  const FrameBuilder builder(reader->calibration(), {}, config.image);
   Odometry odometry(config, delay);
   std::vector<Step> steps;
-  for (int i = 0; i < frames; ++i) {
-    const SequenceImage image = reader->next().value();
-    const OdometryResult result =
-        odometry.process(builder.build(image.image, image.sequence, image.stamp_ns, image.mid_exposure_ns, 0.0));
+  for (const FrameConstPtr& frame : frames()) {
+    const OdometryResult result = odometry.process(frame);
     steps.emplace_back();
     // Frames that had to wait for the first reference come first, each with what the mapper made of it.
     std::vector<TrackedFrameConstPtr> reported = result.late;
@@ -44,12 +51,8 @@ std::vector<Step> runSteps(const std::string& folder, int delay, int frames) {
 class ReferenceDelay : public testing::TestWithParam<int> {};
 
 TEST_P(ReferenceDelay, ReferencesAreUsedExactlyThatManyFramesLater) {
-  const std::string folder = std::string(MBA_VO_SOURCE_DIR) + "/../shared/data/desk";
-  if (!std::filesystem::exists(folder)) {
-    GTEST_SKIP() << folder << " is not here";
-  }
   const int delay = GetParam();
-  const std::vector<Step> steps = runSteps(folder, delay, 30);
+  const std::vector<Step> steps = runSteps(delay);
   int checked = 0;
   for (std::size_t k = 0; k < steps.size(); ++k) {
     if (!steps[k].emitted || steps[k].emitted->keyframe_id == 0) {

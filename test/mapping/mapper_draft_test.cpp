@@ -8,13 +8,8 @@
 #include "mba_vo/tracking/motion_state.h"
 #include "mba_vo/tracking/tracker.h"
 
-namespace mba_vo {
+namespace mba_vo::test {
 namespace {
-
-using test::config;
-using test::frames;
-using test::initialise;
-using test::Initialised;
 
 constexpr double kClose = 5e-3;  // [m, rad]
 
@@ -84,4 +79,4 @@ TEST(MapperDraft, AKeyframeIsOfUseBeforeTheWindowIsOptimised) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::test

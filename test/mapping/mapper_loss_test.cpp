@@ -9,15 +9,8 @@
 #include "mapping/mapper_fixture.h"
 #include "mba_vo/mapping/mapper.h"
 
-namespace mba_vo {
+namespace mba_vo::test {
 namespace {
-
-using test::config;
-using test::frames;
-using test::initialise;
-using test::Initialised;
-using test::report;
-using test::shifted;
 
 /// The same time and another place: an image that no keyframe looks like.
 FrameConstPtr elsewhere(const FrameConstPtr& frame) {
@@ -140,4 +133,4 @@ TEST(Mapper, ATrackedFrameEndsBeingLost) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::test

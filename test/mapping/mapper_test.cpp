@@ -10,15 +10,8 @@
 
 #include "mapping/mapper_fixture.h"
 
-namespace mba_vo {
+namespace mba_vo::test {
 namespace {
-
-using test::config;
-using test::frames;
-using test::initialise;
-using test::Initialised;
-using test::report;
-using test::shifted;
 
 TEST(Mapper, SaysWhyThereIsNoMapYet) {
   Mapper mapper(config());
@@ -187,4 +180,4 @@ TEST(Mapper, ResetForgetsTheMapButNotTheTrajectory) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::test

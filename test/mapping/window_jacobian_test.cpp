@@ -1,150 +1,18 @@
-#include <array>
 #include <cmath>
 #include <numeric>
 
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 
+#include "mapping/bilinear_window.h"
 #include "mapping/planar_scene.h"
 #include "mba_vo/mapping/calibration_system.h"
 #include "mba_vo/mapping/window_linearizer.h"
-#include "mba_vo/solver/robust_loss.h"
 #include "support/jacobian.h"
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::test {
 namespace {
-
-/// I(x, y) = i + j x + k y + l x y: bilinear interpolation and its derivative are exact everywhere.
-std::shared_ptr<const ImagePyramid> bilinearImage(test::Random& random, double row_time) {
-  PinholeCamera camera = test::smallCamera();
-  camera.row_time = row_time;
-  const double j = random.uniform(-0.5, 0.5), k = random.uniform(-0.5, 0.5), l = random.uniform(-4e-3, 4e-3);
-  cv::Mat1f image(camera.height, camera.width);
-  for (int y = 0; y < image.rows; ++y) {
-    for (int x = 0; x < image.cols; ++x) {
-      image(y, x) = static_cast<float>(100.0 + j * (x - 160.0) + k * (y - 120.0) + l * (x - 160.0) * (y - 120.0));
-    }
-  }
-  return test::pyramidOf(image, camera);
-}
-
-enum class Exposure { kSharp, kBlurred, kBlurredRolling };
-
-WindowState randomState(test::Random& random, Exposure exposure) {
-  const double row_time = exposure == Exposure::kBlurredRolling ? 1e-4 : 0.0;
-  WindowState state;
-  for (int i = 0; i < 3; ++i) {
-    KeyframeState k;
-    k.id = static_cast<KeyframeId>(i);
-    k.sharp = bilinearImage(random, row_time);
-    k.original = bilinearImage(random, row_time);
-    if (exposure != Exposure::kSharp) k.xi = random.tangent(0.03, 0.03);
-    if (row_time > 0.0) k.velocity = random.tangent(1.0, 1.0);
-    k.T_linear = random.pose(0.15, 0.1);
-    k.brightness_linear = {random.uniform(-0.2, 0.2), random.uniform(-10.0, 10.0)};
-    k.outlier_energy = 1e12;
-    state.keyframes.push_back(k);
-    state.prior.appendKeyframe();
-  }
-  for (int i = 0; i < 40; ++i) {
-    PointState point;
-    point.host = i % 3;
-    point.pixel = {random.uniform(60, 260), random.uniform(60, 180)};
-    point.inverse_depth = random.uniform(0.3, 1.0);
-    for (int t = 0; t < 3; ++t) {
-      PatchResidual residual;
-      residual.target = t;
-      if (t != point.host) point.residuals.push_back(residual);
-    }
-    state.points.push_back(point);
-  }
-  return state;
-}
-
-std::vector<int> allPoints(const WindowState& state) {
-  std::vector<int> all(state.points.size());
-  std::iota(all.begin(), all.end(), 0);
-  return all;
-}
-
-/// Geometric Jacobians are those of the patch's centre, for all its pixels; with only the centre weighted they are
-/// exact.
-void keepCentre(PatchResidual& residual) {
-  residual.weight.fill(0.0F);
-  residual.weight[0] = 1.0F;
-}
-
-void keepCentres(WindowState& state) {
-  for (PointState& point : state.points) {
-    for (PatchResidual& residual : point.residuals) keepCentre(residual);
-  }
-}
-
-double cost(const WindowLinearizer& linearizer, WindowState state) {
-  LinearizedWindow system;
-  linearizer.linearize(state, allPoints(state), system);
-  double sum = 0.0;
-  for (const PointState& point : state.points) {
-    for (const PatchResidual& residual : point.residuals) {
-      if (!std::isnan(residual.trial_energy)) sum += static_cast<double>(residual.trial_energy);
-    }
-  }
-  return sum;
-}
-
-/// A step large enough for images in single precision, small enough for central differences.
-Vector8 stepSizes() {
-  Vector8 h;
-  h << Vector6::Constant(2e-3), 2e-3, 0.1;
-  return h;
-}
-
-/// A fixed number of samples, so that the cost is smooth.
-ResidualOptions smoothOptions() {
-  ResidualOptions options;
-  options.sample_spacing_px = 1e-3F;
-  options.max_samples = 16;
-  return options;
-}
-
-// Residuals into one keyframe are small, those into another large: each gets the threshold that suits it.
-TEST(WindowHuberThreshold, FollowsTheResidualsIntoEachKeyframe) {
-  const std::array<double, 3> sigma = {1.0, 2.5, 30.0};
-  test::Random random(3);
-  WindowState state = randomState(random, Exposure::kBlurred);
-  const ResidualOptions options = smoothOptions();
-  const WindowLinearizer linearizer(options, true);
-  linearizer.placePixels(state, 0.75F);
-  WindowEvaluation evaluation;
-  linearizer.evaluate(state, allPoints(state), evaluation);
-  for (std::size_t p = 0; p < state.points.size(); ++p) {
-    std::size_t patch = evaluation.first[p];
-    for (const PatchResidual& residual : state.points[p].residuals) {
-      const bool outlier = random.uniform(0.0, 1.0) < 0.05;
-      for (float& r : evaluation.patches[patch].r) {
-        r = outlier ? 100.0F : static_cast<float>(random.normal(sigma[static_cast<std::size_t>(residual.target)]));
-      }
-      ++patch;
-    }
-  }
-  linearizer.followResiduals(state, evaluation);
-  const auto threshold = [&](int i) { return static_cast<double>(state.keyframe(i).huber_threshold); };
-  for (const int i : {0, 1}) {
-    const double expected = 2.5 * sigma[static_cast<std::size_t>(i)];
-    EXPECT_NEAR(threshold(i), expected, 0.3 * expected);
-  }
-  EXPECT_EQ(threshold(2), static_cast<double>(options.huber_threshold));
-  const PatchResidual& residual = state.points[2].residuals[0];  // hosted by keyframe 2, into keyframe 0
-  ASSERT_EQ(residual.target, 0);
-  ASSERT_FALSE(std::isnan(residual.trial_energy));
-  double energy = 0.0;
-  for (std::size_t k = 0; k < kResidualPixels; ++k) {
-    const auto r = static_cast<double>(evaluation.patches[evaluation.first[2]].r[k]);
-    energy += 2.0 * static_cast<double>(residual.weight[k]) * HuberLoss(threshold(0)).cost(r);
-  }
-  EXPECT_NEAR(static_cast<double>(residual.trial_energy), energy, 1e-4 * energy);
-}
 
 class WindowJacobian : public ::testing::TestWithParam<Exposure> {};
 INSTANTIATE_TEST_SUITE_P(SharpBlurredRolling, WindowJacobian,
@@ -153,7 +21,7 @@ INSTANTIATE_TEST_SUITE_P(SharpBlurredRolling, WindowJacobian,
 // The gradient holds the derivative for the states of hosts and targets alike, each residual with its own random value.
 TEST_P(WindowJacobian, GradientMatchesCentralDifferences) {
   for (unsigned seed = 0; seed < 5; ++seed) {
-    test::Random random(seed);
+    Random random(seed);
     WindowState state = randomState(random, GetParam());
     const WindowLinearizer linearizer(smoothOptions(), true);
     linearizer.placePixels(state, 0.75F);
@@ -192,7 +60,7 @@ TEST_P(WindowJacobian, GradientMatchesCentralDifferences) {
 
 // The Hessian against J^T J with J from numerical derivatives of the residual of the centre pixel.
 TEST_P(WindowJacobian, HessianIsTheProductOfJacobians) {
-  test::Random random(11);
+  Random random(11);
   const WindowState state = randomState(random, GetParam());
   ResidualOptions options = smoothOptions();
   options.huber_threshold = 1e6F;
@@ -211,7 +79,7 @@ TEST_P(WindowJacobian, HessianIsTheProductOfJacobians) {
     EXPECT_TRUE(comparePatch(p, path, residual, options, comparison));
     return Eigen::VectorXd::Constant(1, static_cast<double>(comparison.r[0]));
   };
-  const Eigen::MatrixXd J = test::numericJacobian(residualAt, 9, 5e-3);
+  const Eigen::MatrixXd J = numericJacobian(residualAt, 9, 5e-3);
   ResidualSystem system;
   ASSERT_TRUE(pair.path->make(residual.centre.cast<double>(), 0.6, path, 80.0));
   ASSERT_TRUE(comparePatch(pair, path, residual, options, comparison));
@@ -230,7 +98,7 @@ TEST_P(WindowJacobian, HessianIsTheProductOfJacobians) {
 // Jacobians at the first estimates: the reduced system does not feel a motion of the whole window or its scale there,
 // even though the residuals are taken elsewhere.
 TEST_P(WindowJacobian, ReducedSystemHasNoInformationAboutTheGauge) {
-  test::Random random(7);
+  Random random(7);
   WindowState state = randomState(random, GetParam());
   for (int k = 0; k < 3; ++k) state.keyframe(k).delta.head<6>() = random.tangent(0.01, 0.01);
   const WindowLinearizer linearizer(smoothOptions(), true);
@@ -255,7 +123,7 @@ TEST_P(WindowJacobian, ReducedSystemHasNoInformationAboutTheGauge) {
 }
 
 TEST(PhotometricResidual, PixelsOutsideOrInvalidAreNotUsed) {
-  test::Random random(1);
+  Random random(1);
   WindowState state = randomState(random, Exposure::kSharp);
   state.keyframe(1).T_linear = state.keyframe(0).T_linear;
   const PairGeometry pair = makePairGeometry(state.keyframe(0), state.keyframe(1), true);
@@ -268,7 +136,7 @@ TEST(PhotometricResidual, PixelsOutsideOrInvalidAreNotUsed) {
 
   cv::Mat1f holed = state.keyframe(1).original->level(0).intensity.clone();
   holed(102, 100) = std::nanf("");
-  state.keyframe(1).original = test::pyramidOf(holed, test::smallCamera());
+  state.keyframe(1).original = pyramidOf(holed, smallCamera());
   const PairGeometry holed_pair = makePairGeometry(state.keyframe(0), state.keyframe(1), true);
   placePixels(holed_pair, {100, 100}, 0.5, ResidualOptions(), residual);
   EXPECT_FALSE(residual.has_pixels);
@@ -276,7 +144,7 @@ TEST(PhotometricResidual, PixelsOutsideOrInvalidAreNotUsed) {
 
 // A correction that both images lack moves the place in the host as calibrationJacobian says.
 TEST_P(WindowJacobian, OfTheCalibrationIsThatOfALackingCorrection) {
-  test::Random random(23);
+  Random random(23);
   const WindowState state = randomState(random, GetParam());
   for (const PointState& point : state.points) {
     const int target = point.residuals.front().target;
@@ -295,7 +163,7 @@ TEST_P(WindowJacobian, OfTheCalibrationIsThatOfALackingCorrection) {
       EXPECT_TRUE(makePath(pairWith(unit.cwiseProduct(d)), centre, point, path));
       return path.c0.cast<double>();
     };
-    const Eigen::MatrixXd numeric = test::numericJacobian(place, CalibrationCorrection::kDim, 5e-3);
+    const Eigen::MatrixXd numeric = numericJacobian(place, CalibrationCorrection::kDim, 5e-3);
     const PairGeometry pair = pairWith(CalibrationCorrection::Vector::Zero());
     PatchPath path;
     ASSERT_TRUE(makeCurrentJacobianPath(pair, centre, point, path));
@@ -309,7 +177,7 @@ TEST_P(WindowJacobian, OfTheCalibrationIsThatOfALackingCorrection) {
 
 // Whether it finds what is lacking is tested on rendered sequences (odometry/calibration_test.cpp).
 TEST_P(WindowJacobian, CalibrationSystemIsThatOfASumOfSquares) {
-  test::Random random(29);
+  Random random(29);
   WindowState state = randomState(random, GetParam());
   const WindowLinearizer linearizer(smoothOptions(), true);
   linearizer.placePixels(state, 0.75F);
@@ -320,4 +188,4 @@ TEST_P(WindowJacobian, CalibrationSystemIsThatOfASumOfSquares) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::test

@@ -8,20 +8,8 @@
 #include "odometry/tracking_loop_fixture.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::test {
 namespace {
-
-using test::adopt;
-using test::demanding;
-using test::distance;
-using test::elsewhere;
-using test::expectConsistent;
-using test::frame;
-using test::kClose;
-using test::makeReference;
-using test::someCorrection;
-using test::truth;
-using test::view;
 
 constexpr int kLast = 9;
 constexpr int kKeyframe = 5;
@@ -120,7 +108,7 @@ TEST(TrackingAhead, IfOneIsLostTheFirstResultsStand) {
   leaveTheView(loop, kLast);
   cv::Mat1f other_place(view(0).sharp.size());
   cv::randn(other_place, 100.0, 60.0);
-  const auto wrong = test::makeReference(view(kKeyframe), other_place);
+  const auto wrong = makeReference(view(kKeyframe), other_place);
   wrong->id = {1, 1, 0};
   wrong->T_map_reference = truth(0, kKeyframe);
   ASSERT_TRUE(loop.take(wrong));
@@ -158,4 +146,4 @@ TEST(TrackingAhead, FramesBeforeTheFirstReferenceHaveToBeCaughtUpWith) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::test

@@ -10,20 +10,8 @@
 #include "odometry/tracking_loop_fixture.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::test {
 namespace {
-
-using test::adopt;
-using test::demanding;
-using test::distance;
-using test::expectConsistent;
-using test::frame;
-using test::kClose;
-using test::kCount;
-using test::makeReference;
-using test::someCorrection;
-using test::truth;
-using test::view;
 
 TEST(TrackingLoop, AnUnknownExposureIsLearntAndTheFramesCarryIt) {
   TrackingLoop loop{OdometryConfig()};
@@ -37,7 +25,7 @@ TEST(TrackingLoop, AnUnknownExposureIsLearntAndTheFramesCarryIt) {
       ASSERT_TRUE(loop.take(reference));
     }
     if (i == 0) continue;
-    tracked = loop.process(test::makeFrame(view(i), std::nullopt));
+    tracked = loop.process(makeFrame(view(i), std::nullopt));
     ASSERT_EQ(tracked->status, TrackingStatus::kTracking) << tracked->reason;
     if (!tracked->frame->exposure) continue;
     EXPECT_NEAR(*tracked->frame->exposure, exposure, 0.1 * exposure);
@@ -171,8 +159,8 @@ TEST(TrackingLoop, FollowsAChangeOfBrightnessByEight) {
   loop.process(frame(1));
   for (int i = 2; i < 6; ++i) {
     const double gain = i < 4 ? 0.125 : 1.0;
-    const TrackedFrameConstPtr tracked = loop.process(test::makeFrame(
-        test::scaled(test::toFloat(view(i).blurred), gain), view(i).mid_exposure_ns, view(i).exposure, view(i).id));
+    const TrackedFrameConstPtr tracked = loop.process(
+        makeFrame(scaled(toFloat(view(i).blurred), gain), view(i).mid_exposure_ns, view(i).exposure, view(i).id));
     ASSERT_TRUE(tracked->tracked()) << i << ": " << tracked->reason;
     EXPECT_NEAR(tracked->brightness.a, std::log(gain), 0.1);
     EXPECT_LT(distance(tracked->trajectory.T_reference_mid, truth(0, i)), 2 * kClose) << i;
@@ -207,4 +195,4 @@ TEST(TrackingLoop, AsksForAKeyframeWhenTheViewHasChanged) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::test

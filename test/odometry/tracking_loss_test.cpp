@@ -9,20 +9,8 @@
 #include "odometry/tracking_loop_fixture.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::test {
 namespace {
-
-using test::adopt;
-using test::distance;
-using test::elsewhere;
-using test::expectConsistent;
-using test::frame;
-using test::kClose;
-using test::later;
-using test::makeReference;
-using test::someCorrection;
-using test::truth;
-using test::view;
 
 /// An image that shows nothing.
 FrameConstPtr blank(double seconds_later) { return later(cv::Mat1f(240, 376, 90.0F), seconds_later); }
@@ -69,10 +57,10 @@ TEST(TrackingLoop, AFrozenImageIsNoMeasurementForLong) {
   TrackingLoop loop{OdometryConfig()};
   adopt(loop, makeReference(1, 0, 0, SE3(), 0));
   EXPECT_TRUE(loop.process(frame(1))->tracked());
-  const cv::Mat1f frozen = test::toFloat(view(2).blurred);
+  const cv::Mat1f frozen = toFloat(view(2).blurred);
   const std::int64_t since = view(2).mid_exposure_ns;
   for (int i = 0; i < 10; ++i) {
-    const TrackedFrameConstPtr tracked = loop.process(test::makeFrame(frozen, since + i * 33000000LL, 0.02, 300));
+    const TrackedFrameConstPtr tracked = loop.process(makeFrame(frozen, since + i * 33000000LL, 0.02, 300));
     EXPECT_EQ(tracked->tracked(), i < 5) << "a recorder may write an image twice; " << i;
     EXPECT_EQ(tracked->blind, i >= 5);
     if (i > 0 && i < 5) {
@@ -88,8 +76,7 @@ TEST(TrackingLoop, GoesOnFromWhereTheMapperFoundIt) {
   const SE3 T_odom_first = loop.T_odom_camera() * truth(1, 0);
   for (int i = 2; i < 6; ++i) {  // somewhere else in the meantime
     EXPECT_EQ(
-        loop.process(test::makeFrame(elsewhere(0.0)->pyramid.level(0).intensity, view(i).mid_exposure_ns, 0.02, 400))
-            ->status,
+        loop.process(makeFrame(elsewhere(0.0)->pyramid.level(0).intensity, view(i).mid_exposure_ns, 0.02, 400))->status,
         TrackingStatus::kLost);
   }
   // The mapper has seen frame 10 with keyframe 3; frame 11 came in the meantime.
@@ -125,7 +112,7 @@ TEST(TrackingLoop, FindsItselfAgainIfItIsNotLostForLong) {
   TrackingLoop loop{OdometryConfig()};
   adopt(loop, makeReference(1, 0, 3, SE3(), 3));
   loop.process(frame(4));
-  EXPECT_EQ(loop.process(test::makeFrame(cv::Mat1f(240, 376, 90.0F), view(5).mid_exposure_ns, 0.02))->status,
+  EXPECT_EQ(loop.process(makeFrame(cv::Mat1f(240, 376, 90.0F), view(5).mid_exposure_ns, 0.02))->status,
             TrackingStatus::kLost);
   const TrackedFrameConstPtr tracked = loop.process(frame(6));
   EXPECT_EQ(tracked->status, TrackingStatus::kDegraded) << "by prediction alone, so far";
@@ -134,4 +121,4 @@ TEST(TrackingLoop, FindsItselfAgainIfItIsNotLostForLong) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::test

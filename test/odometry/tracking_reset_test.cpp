@@ -11,20 +11,8 @@
 #include "odometry/outcome.h"
 #include "odometry/tracking_loop_fixture.h"
 
-namespace mba_vo {
+namespace mba_vo::test {
 namespace {
-
-using test::adopt;
-using test::demanding;
-using test::elsewhere;
-using test::expectSame;
-using test::frame;
-using test::makeReference;
-using test::Outcome;
-using test::outcomeOf;
-using test::someCorrection;
-using test::truth;
-using test::view;
 
 // After a reset, whatever went before, everything must be as if it had never happened: to the last bit.
 
@@ -49,8 +37,8 @@ std::vector<Outcome> live(TrackingLoop& loop) {
   for (const auto& late : adopt(loop, makeReference(1, 0, 0, SE3(), 1))) note(late);
   for (int i = 4; i <= 9; ++i) note(loop.process(frame(i)));
   for (const auto& late : adopt(loop, keyframeAt(6))) note(late);
-  for (int i = 10; i <= 12; ++i) note(loop.process(test::makeFrame(view(i), std::nullopt)));
-  note(loop.process(test::makeFrame(cv::Mat1f(240, 376, 90.0F), view(13).mid_exposure_ns, 0.02)));
+  for (int i = 10; i <= 12; ++i) note(loop.process(makeFrame(view(i), std::nullopt)));
+  note(loop.process(makeFrame(cv::Mat1f(240, 376, 90.0F), view(13).mid_exposure_ns, 0.02)));
   note(loop.process(frame(14)));
   return outcomes;
 }
@@ -125,9 +113,9 @@ const LoopState kLoopStates[] = {
      [](TrackingLoop& loop) {
        adopt(loop, makeReference(1, 0, 0, SE3(), 0));
        TrackedFrameConstPtr tracked;
-       for (int i = 1; i < test::kCount; ++i) {
+       for (int i = 1; i < kCount; ++i) {
          if (i == 8) adopt(loop, keyframeAt(7));
-         tracked = loop.process(test::makeFrame(view(i), std::nullopt));
+         tracked = loop.process(makeFrame(view(i), std::nullopt));
        }
        EXPECT_TRUE(tracked->exposure_estimate.used);
      }},
@@ -152,14 +140,14 @@ const LoopState kLoopStates[] = {
     {"Covered",
      [](TrackingLoop& loop) {
        trackFrom(loop, 1, 3);
-       EXPECT_TRUE(loop.process(test::later(cv::Mat1f(240, 376, 90.0F), 0.1))->blind);
+       EXPECT_TRUE(loop.process(later(cv::Mat1f(240, 376, 90.0F), 0.1))->blind);
      }},
     {"Frozen",
      [](TrackingLoop& loop) {
        TrackedFrameConstPtr tracked;
        for (int i = 8; i > 0; --i) {
          const std::int64_t time = view(0).mid_exposure_ns - i * 50000000LL;
-         tracked = loop.process(test::makeFrame(test::toFloat(view(0).blurred), time, 0.02));
+         tracked = loop.process(makeFrame(toFloat(view(0).blurred), time, 0.02));
        }
        EXPECT_TRUE(tracked->blind);
      }},
@@ -180,4 +168,4 @@ std::string nameOf(const testing::TestParamInfo<LoopState>& info) { return info.
 INSTANTIATE_TEST_SUITE_P(InEveryState, ResetOfTheTracker, testing::ValuesIn(kLoopStates), nameOf);
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::test

@@ -8,20 +8,8 @@
 #include "odometry/tracking_loop_fixture.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::test {
 namespace {
-
-using test::adopt;
-using test::demanding;
-using test::distance;
-using test::elsewhere;
-using test::frame;
-using test::kClose;
-using test::kCount;
-using test::makeReference;
-using test::someCorrection;
-using test::truth;
-using test::view;
 
 TEST(TrackingLoop, FramesThatWaitedAreTrackedFromTheHintOn) {
   TrackingLoop loop{OdometryConfig()};
@@ -127,12 +115,11 @@ TEST(TrackingLoop, FramesAreNotProvisionalForever) {
   EXPECT_TRUE(was_provisional);
   // The same view, though not the same noise, much later: no keyframe came.
   const SimulatedFrame& last = view(kCount - 1);
-  const TrackedFrameConstPtr tracked =
-      loop.process(test::makeFrame(test::scaled(test::toFloat(last.blurred), 1.0, 0.1),
-                                   last.mid_exposure_ns + std::llround(0.6e9), last.exposure, 500));
+  const TrackedFrameConstPtr tracked = loop.process(makeFrame(
+      scaled(toFloat(last.blurred), 1.0, 0.1), last.mid_exposure_ns + std::llround(0.6e9), last.exposure, 500));
   ASSERT_TRUE(tracked->tracked()) << tracked->reason;
   EXPECT_FALSE(tracked->provisional);
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::test

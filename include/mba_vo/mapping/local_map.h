@@ -54,7 +54,7 @@ class LocalMap {
   SE3 T_map_camera(const TrackedFrame& tracked) const;
 
   /// Snapshot for the tracker about one keyframe of the window.
-  std::shared_ptr<Reference> makeReference(KeyframeId keyframe);
+  std::shared_ptr<Reference> makeReference(KeyframeId keyframe, const std::string& doubt = {});
 
   std::vector<MapPoint> points() const;
 
