@@ -1,7 +1,5 @@
 #include "mba_vo/mapping/calibration_estimator.h"
 
-#include <algorithm>
-
 #include <Eigen/Cholesky>
 
 namespace mba_vo {
@@ -14,7 +12,6 @@ constexpr int kLeastWindows = 4;
 constexpr double kCorrelation = 50.0;
 constexpr double kSignificant = 50.0;  // chi^2 of a step worth taking
 constexpr double kStep = 1.5;
-constexpr double kLeastRms = 1.0;  // [grey levels] rendered images may have hardly any
 
 CalibrationCorrection::Vector priorSigma() {
   CalibrationCorrection::Vector sigma;
@@ -24,10 +21,9 @@ CalibrationCorrection::Vector priorSigma() {
 
 }  // namespace
 
-bool CalibrationEstimator::add(const CalibrationSystem& system, double rms) {
-  const double weight = 1.0 / (kCorrelation * std::max(rms * rms, kLeastRms * kLeastRms));
-  sum_.H += weight * system.H;
-  sum_.b += weight * system.b;
+bool CalibrationEstimator::add(const CalibrationSystem& system) {
+  sum_.H += system.H / kCorrelation;
+  sum_.b += system.b / kCorrelation;
   if (++windows_ < kLeastWindows) return false;
   const CalibrationCorrection::Vector prior = priorSigma().array().square().inverse();
   CalibrationCorrection::Matrix H = sum_.H;

@@ -6,7 +6,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kWeight = 100.0;  // [grey levels^2]
+constexpr double kWeight = 100.0;
 constexpr double kFree = 4.0;      // times nearer than the median a point may be at no cost
 constexpr double kNearest = 20.0;  // times nearer than the median no point can be
 

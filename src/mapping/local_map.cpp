@@ -133,7 +133,7 @@ void LocalMap::refineWindow(KeyframeReport& report) {
   report.optimisation_ms = millisecondsSince(stage);
 
   stage = Clock::now();
-  refineCalibration(summary);
+  refineCalibration();
   report.calibration_ms = millisecondsSince(stage);
 
   stage = Clock::now();
@@ -213,9 +213,9 @@ void LocalMap::marginalizeKeyframes() {
   }
 }
 
-void LocalMap::refineCalibration(const WindowSummary& summary) {
+void LocalMap::refineCalibration() {
   if (!config_.refine_calibration || static_cast<int>(keyframes_.size()) < kCalibrationKeyframes) return;
-  if (calibration_.add(window_.calibrationSystem(), summary.rms)) window_.setCorrection(calibration_.correction());
+  if (calibration_.add(window_.calibrationSystem())) window_.setCorrection(calibration_.correction());
 }
 
 void LocalMap::storePoses() {

@@ -83,6 +83,7 @@ PairGeometry makePairGeometry(const KeyframeState& host, const KeyframeState& ta
   pair.host_image = &host.sharp->level(0);
   pair.target_image = reblur_targets ? &target.original->level(0) : &target.sharp->level(0);
   pair.huber_threshold = target.huber_threshold;
+  pair.precision = target.precision;
   pair.rows = {target.velocity, host.velocity};
   pair.host_camera = cameraOf(*pair.host_image, host);
   pair.target_camera = cameraOf(*pair.target_image, target);

@@ -1,5 +1,6 @@
 #include "mba_vo/mapping/photometric_residual.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -168,7 +169,10 @@ bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchRe
 void weighComparison(const PairGeometry& pair, const PatchResidual& residual, const ResidualOptions& options,
                      PatchComparison& comparison) {
   const float threshold = std::min(pair.huber_threshold, options.huber_threshold);
-  comparison.energy = weighPixels(comparison.r, residual.weight, threshold, comparison.weight);
+  std::array<float, kResidualPixels> weight;
+  std::transform(residual.weight.begin(), residual.weight.end(), weight.begin(),
+                 [&](float w) { return pair.precision * w; });
+  comparison.energy = weighPixels(comparison.r, weight, threshold, comparison.weight);
 }
 
 void assembleSystem(const PatchComparison& comparison, const PatchPath& path, bool blurred, ResidualSystem& system) {

@@ -101,7 +101,10 @@ void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
   // threshold per pixel.
   added.outlier_energy = first ? 2.0 * kResidualPixels * config_.huber_threshold * config_.huber_threshold
                                : state_.keyframes.back().outlier_energy;
-  if (!first) added.huber_threshold = state_.keyframes.back().huber_threshold;
+  if (!first) {
+    added.huber_threshold = state_.keyframes.back().huber_threshold;
+    added.precision = state_.keyframes.back().precision;
+  }
   pairs_.clear();
   state_.keyframes.push_back(added);
   state_.prior.appendKeyframe();

@@ -102,8 +102,10 @@ void WindowLinearizer::followResiduals(WindowState& state, WindowEvaluation& eva
   });
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     if (sizes[i].empty()) continue;
+    const double spread = residualSpread(sizes[i]);
     const double largest = static_cast<double>(options_.huber_threshold);
-    state.keyframes[i].huber_threshold = static_cast<float>(huberThreshold(residualSpread(sizes[i]), largest));
+    state.keyframes[i].huber_threshold = static_cast<float>(huberThreshold(spread, largest));
+    state.keyframes[i].precision = static_cast<float>(residualPrecision(spread));
   }
   const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_);
   forEach([&](const PointState& point, PatchResidual& residual, PatchComparison& comparison) {

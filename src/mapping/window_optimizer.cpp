@@ -17,8 +17,8 @@ double truncated(float energy, double limit) { return std::min(static_cast<doubl
 
 /// A patch all of whose pixels are at the Huber threshold is always acceptable; beyond that a residual is compared with
 /// the others of its keyframe. The two are averaged, so that neither a perfect nor a bad keyframe runs away.
-double outlierEnergy(std::vector<float>& energies, double huber_threshold) {
-  const double acceptable = huber_threshold * std::sqrt(static_cast<double>(kResidualPixels));
+double outlierEnergy(std::vector<float>& energies, double huber_threshold, double precision) {
+  const double acceptable = huber_threshold * std::sqrt(precision * kResidualPixels);
   if (energies.empty()) return acceptable * acceptable;
   const auto rank =
       energies.begin() + static_cast<std::ptrdiff_t>(kThresholdQuantile * static_cast<double>(energies.size() - 1));
@@ -100,7 +100,7 @@ void WindowOptimizer::updateOutlierThresholds(WindowState& state) const {
   for (std::size_t i = 0; i < energies.size(); ++i) {
     KeyframeState& keyframe = state.keyframes[i];
     const double huber_threshold = std::min(huber_threshold_, static_cast<double>(keyframe.huber_threshold));
-    keyframe.outlier_energy = outlierEnergy(energies[i], huber_threshold);
+    keyframe.outlier_energy = outlierEnergy(energies[i], huber_threshold, static_cast<double>(keyframe.precision));
   }
 }
 

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kSigmaOfMedian = 1.4826;  // standard deviation over median size of a normal distribution
 constexpr double kClearlyOff = 2.5;        // [standard deviations]
-constexpr double kLeast = 1.5;             // [grey levels] what the noise of two images differs by
+constexpr double kLeast = 0.6;             // [grey levels] standard deviation of what the noise of two images differs by
 
 }  // namespace
 
@@ -20,7 +20,12 @@ double residualSpread(std::vector<float>& sizes) {
 }
 
 double huberThreshold(double spread, double largest) {
-  return std::min(std::max(kClearlyOff * spread, kLeast), largest);
+  return std::min(kClearlyOff * std::max(spread, kLeast), largest);
+}
+
+double residualPrecision(double spread) {
+  const double sigma = std::max(spread, kLeast);
+  return 1.0 / (sigma * sigma);
 }
 
 }  // namespace mba_vo

@@ -21,7 +21,7 @@ TEST(CalibrationEstimator, FindsTheTruth) {
   Vector truth;
   truth << 0.01, -0.004, 0.006, -0.02, 0.01, 4e-5;
   CalibrationEstimator estimator;
-  for (int i = 0; i < 100; ++i) estimator.add(windowOf(truth, estimator.correction(), 1e3), 2.0);
+  for (int i = 0; i < 100; ++i) estimator.add(windowOf(truth, estimator.correction(), 1e3));
   const Vector error = (estimator.correction().values - truth).cwiseAbs();
   EXPECT_LT(error.head<5>().maxCoeff(), 1e-3);
   EXPECT_LT(error(5), 1e-6);
@@ -31,7 +31,7 @@ TEST(CalibrationEstimator, DoesNotMoveForWhatIsNotSignificant) {
   Vector truth = Vector::Zero();
   truth(CalibrationCorrection::kK1) = 1e-3;
   CalibrationEstimator estimator;
-  for (int i = 0; i < 20; ++i) EXPECT_FALSE(estimator.add(windowOf(truth, estimator.correction(), 1.0), 2.0));
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(estimator.add(windowOf(truth, estimator.correction(), 1.0)));
   EXPECT_TRUE(estimator.correction().isZero());
 }
 
@@ -39,8 +39,8 @@ TEST(CalibrationEstimator, WantsSeveralWindowsToAgree) {
   Vector truth = Vector::Zero();
   truth(CalibrationCorrection::kFocal) = 0.02;
   CalibrationEstimator estimator;
-  EXPECT_FALSE(estimator.add(windowOf(truth, estimator.correction(), 1e6), 2.0));
-  EXPECT_FALSE(estimator.add(windowOf(truth, estimator.correction(), 1e6), 2.0));
+  EXPECT_FALSE(estimator.add(windowOf(truth, estimator.correction(), 1e6)));
+  EXPECT_FALSE(estimator.add(windowOf(truth, estimator.correction(), 1e6)));
 }
 
 TEST(CalibrationEstimator, GoesOnFromAnEarlierCorrection) {
@@ -48,7 +48,7 @@ TEST(CalibrationEstimator, GoesOnFromAnEarlierCorrection) {
   start.values(CalibrationCorrection::kRowTime) = 3e-5;
   CalibrationEstimator estimator(start);
   EXPECT_EQ(estimator.correction(), start);
-  for (int i = 0; i < 20; ++i) estimator.add(windowOf(start.values, estimator.correction(), 1e3), 2.0);
+  for (int i = 0; i < 20; ++i) estimator.add(windowOf(start.values, estimator.correction(), 1e3));
   EXPECT_NEAR(estimator.correction()[CalibrationCorrection::kRowTime], 3e-5, 1e-6);
 }
 

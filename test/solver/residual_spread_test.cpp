@@ -29,5 +29,11 @@ TEST(HuberThreshold, KeepsItsBounds) {
   EXPECT_GT(huberThreshold(0.0, 9.0), 0.3);  // 8-bit images are rounded by 0.3 grey levels
 }
 
+TEST(ResidualPrecision, IsTheInverseVarianceDownToWhatRoundingLeaves) {
+  EXPECT_NEAR(residualPrecision(2.0), 0.25, 1e-9);
+  EXPECT_TRUE(std::isfinite(residualPrecision(0.0)));
+  EXPECT_EQ(residualPrecision(0.0), residualPrecision(0.1));
+}
+
 }  // namespace
 }  // namespace mba_vo

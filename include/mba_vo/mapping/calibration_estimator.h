@@ -13,9 +13,8 @@ class CalibrationEstimator {
   /// The correction that new images should be made with.
   const CalibrationCorrection& correction() const { return correction_; }
 
-  /// Adds what a window says about errors left by the present correction; `rms`: of its residuals [grey levels]. True
-  /// if the correction changed.
-  bool add(const CalibrationSystem& system, double rms);
+  /// Adds what a window says about errors left by the present correction. True if the correction changed.
+  bool add(const CalibrationSystem& system);
 
  private:
   CalibrationCorrection correction_;

@@ -6,7 +6,7 @@
 namespace mba_vo {
 
 /// Normal equations H x = -b of what the correction of the calibration lacks, all poses, depths and brightnesses
-/// eliminated.
+/// eliminated; for residuals of unit variance.
 struct CalibrationSystem {
   CalibrationCorrection::Matrix H = CalibrationCorrection::Matrix::Zero();
   CalibrationCorrection::Vector b = CalibrationCorrection::Vector::Zero();

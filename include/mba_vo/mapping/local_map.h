@@ -76,7 +76,7 @@ class LocalMap {
   void selectImmaturePoints(HostKeyframe& host) const;
   void marginalizeKeyframes();
   void storePoses();
-  void refineCalibration(const WindowSummary& summary);
+  void refineCalibration();
   void keepForDisplay(KeyframeId keyframe);
   MapPoint displayPoint(const WindowPoint& point) const;
 

@@ -22,6 +22,7 @@ struct PairGeometry {
   std::optional<CommutedBlur> commuted;            // if the host's image is itself blurred
   bool blurred = false;
   float huber_threshold = std::numeric_limits<float>::infinity();  // the target's
+  float precision = 1.0F;                                          // the target's
   float gain = 1.0F;                                               // exp(a_target - a_host)
   float offset_host = 0.0F;                                        // b_host
   float offset_target = 0.0F;                                      // b_target

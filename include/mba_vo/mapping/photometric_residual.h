@@ -29,16 +29,16 @@ struct PatchComparison {
   alignas(64) Pixels gx, gy, ugx, ugy;  // moments of the host's gradient along the blur path, times -gain
   Pixels normalized;                    // gain (B_reblurred - b_host)
   Pixels r;                             // [grey levels]
-  Pixels weight;                        // of r^2, with Huber's
-  float energy = 0.0F;                  // Huber energy [grey levels^2]
-  float misfit = 0.0F;                  // the same with the options' threshold
+  Pixels weight;                        // of r^2, with Huber's and the precision [1 / grey level^2]
+  float energy = 0.0F;                  // Huber energy, with the precision
+  float misfit = 0.0F;                  // with the options' threshold and without the precision [grey levels^2]
 };
 
 /// False if the path leaves the host.
 bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
                   const ResidualOptions& options, PatchComparison& comparison);
 
-/// Weights and energy for the pair's Huber threshold, all else as it is.
+/// Weights and energy for the pair's Huber threshold and precision, all else as it is.
 void weighComparison(const PairGeometry& pair, const PatchResidual& residual, const ResidualOptions& options,
                      PatchComparison& comparison);
 

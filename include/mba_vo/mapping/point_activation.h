@@ -8,7 +8,7 @@
 namespace mba_vo {
 
 /// Turns WindowPoint::variance into that of an inverse depth.
-inline constexpr double kResidualVariance = 25.0;  // [grey levels^2]
+inline constexpr double kResidualVariance = 25.0;  // [spread^2]
 
 /// Coarse occupancy of an image: at most one new point per cell of `distance_px`.
 class SpacingGrid {

@@ -32,9 +32,10 @@ struct KeyframeState {
   SE3 T_linear;
   AffineBrightness brightness_linear;
   Vector8 delta = Vector8::Zero();
-  double outlier_energy = 0.0;  // a residual into this keyframe with more energy than this is an outlier
+  double outlier_energy = 0.0;  // a residual into this keyframe with more energy than this is an outlier [spread^2]
   float huber_threshold = std::numeric_limits<float>::infinity();  // of residuals into it, if below the options'
-  int points_added = 0;                                            // ever hosted by this keyframe
+  float precision = 1.0F;  // of residuals into it: one over their squared spread [1 / grey level^2]
+  int points_added = 0;    // ever hosted by this keyframe
 
   SE3 T_map_keyframe() const { return T_linear * SE3::exp(delta.head<6>()); }
   AffineBrightness brightness() const { return {brightness_linear.a + delta(6), brightness_linear.b + delta(7)}; }
@@ -50,9 +51,9 @@ struct PatchResidual {
   Eigen::Vector2i centre = Eigen::Vector2i::Zero();
   std::array<float, kResidualPixels> intensity{};  // of the target [grey levels]
   std::array<float, kResidualPixels> weight{};     // from the target's gradient, in (0, 1]
-  float energy = kNoEnergy;                        // at the current state
+  float energy = kNoEnergy;                        // at the current state [spread^2]
   float trial_energy = kNoEnergy;                  // at the state being tried
-  float misfit = kNoEnergy;                        // the energy with the options' Huber threshold
+  float misfit = kNoEnergy;                        // with the options' Huber threshold [grey levels^2]
   float drift = 0.0F;  // distance of the projection from the pixel set, at the state tried [px]
   int bad_rounds = 0;  // optimisations in a row that ended with this residual out of use
 };

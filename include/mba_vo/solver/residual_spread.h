@@ -13,4 +13,8 @@ double residualSpread(std::vector<float>& sizes);
 /// so small that rounded intensities pass for outliers.
 double huberThreshold(double spread, double largest);
 
+/// Weight of a squared residual of that spread: with it residuals of blurred and of sharp images count by what they
+/// tell. At least as much as rounded intensities is taken for noise.
+double residualPrecision(double spread);
+
 }  // namespace mba_vo
