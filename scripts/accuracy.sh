@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Runs mba_vo offline over the development sequences and prints one line of figures per run (docs/results.md).
 #
-#   scripts/accuracy.sh [--data DIR] [--output DIR] [--delay FRAMES] [--bin DIR] [RUN...]
+#   scripts/accuracy.sh [--data DIR] [--output DIR] [--delay FRAMES] [--starts LIST] [--bin DIR] [RUN...]
 #
 #   --data DIR       folder with the sequences desk, shake and kitchen (../shared/data)
 #   --output DIR     folder for trajectories and plots (output/accuracy)
 #   --delay FRAMES   frames until a new keyframe is used: 0 (ideal), 12 (a slow machine)
+#   --starts LIST    images to leave out at the beginning, for example "0 5 10 15 20"; of several the median is printed
 #   --bin DIR        folder of the programs (devel/lib/mba_vo)
 #   RUN              desk_sharp desk shake_sharp shake kitchen shake_no_blur_model (all of them)
 set -euo pipefail
@@ -14,6 +15,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 data=../shared/data
 output=output/accuracy
 delay=0
+starts=0
 bin=devel/lib/mba_vo
 runs=()
 while [ $# -gt 0 ]; do
@@ -21,6 +23,7 @@ while [ $# -gt 0 ]; do
     --data) data=${2:?--data needs a folder}; shift ;;
     --output) output=${2:?--output needs a folder}; shift ;;
     --delay) delay=${2:?--delay needs a number}; shift ;;
+    --starts) starts=${2:?--starts needs a list of numbers}; shift ;;
     --bin) bin=${2:?--bin needs a folder}; shift ;;
     -h | --help) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
     *) runs+=("$1") ;;
@@ -43,9 +46,15 @@ options() {
 }
 
 source scripts/figures.sh
+read -r -a starts <<<"$starts"
 print_header
 for run in "${runs[@]}"; do
   arguments=$(options "$run")
   read -r -a arguments <<<"$arguments"
-  run_and_print "$run" "$data/${arguments[0]}" "${arguments[@]:1}" --reference-delay "$delay"
+  names=()
+  for start in "${starts[@]}"; do
+    names+=("$run$([ ${#starts[@]} -eq 1 ] || echo "-$start")")
+    run_and_print "${names[-1]}" "$data/${arguments[0]}" "${arguments[@]:1}" --reference-delay "$delay" --skip "$start"
+  done
+  if [ ${#starts[@]} -gt 1 ]; then print_median "$run" "${names[@]}"; fi
 done

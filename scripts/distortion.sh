@@ -32,15 +32,9 @@ lens() {
   for skip in 0 5 10 15 20; do run_and_print "$name-$skip" "$output/sequences/$name" --skip "$skip"; done
 }
 
-# One start says little: the figures scatter by half. The third of five is their median.
-median() {
-  local skip
-  for skip in 0 5 10 15 20; do figure "$output/$1-$skip/evaluation.yaml" '^ate: {rmse:'; done | sort -g | sed -n 3p
-}
-
 lenses=(none plumb_bob equidistant)
 print_header
 lens none
 lens plumb_bob --distortion-model plumb_bob --distortion=-0.28,0.07,0.0002,0.00002,0
 lens equidistant --distortion-model equidistant --distortion=-0.01,0.02,-0.015,0.005
-for name in "${lenses[@]}"; do printf 'median of %-12s %9.5f\n' "$name" "$(median "$name")"; done
+for name in "${lenses[@]}"; do print_median "$name" "$name"-{0,5,10,15,20}; done

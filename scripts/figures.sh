@@ -33,3 +33,12 @@ run_and_print() {
     "$(figure "$summary" 'tracking:.*per_frame_ms:')" "$(figure "$summary" 'mapping:.*per_frame_ms:')" \
     "$(figure "$summary" '^peak_memory_mb:')"
 }
+
+# print_median NAME RUN...: of the ATE of these runs; one start says little, the figures scatter by half
+print_median() {
+  local name=$1
+  shift
+  printf 'median of %-10s %9.5f\n' "$name" "$(for run in "$@"; do
+    figure "$output/$run/evaluation.yaml" '^ate: {rmse:'
+  done | sort -g | sed -n "$((($# + 1) / 2))p")"
+}

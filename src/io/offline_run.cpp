@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <limits>
 #include <stdexcept>
 
@@ -24,6 +25,9 @@ class Stopwatch {
   double& seconds_;
   Clock::time_point begin_;
 };
+
+/// Of all threads of the process.
+double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 FrameBuilder makeFrameBuilder(const CameraCalibration& calibration, const FrameBuilderConfig& config) {
   return {calibration, loadPhotometricCalibration(config.response_file, config.vignette_file), config};
@@ -152,9 +156,13 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
   Run run(reader.calibration(), options);
   {
     const Stopwatch total(result.times.total);
+    double processor_begin = processorSeconds();
     const auto load = [&] {
       const Stopwatch stopwatch(result.times.load);
-      return reader.next();
+      const double before = processorSeconds();
+      std::optional<SequenceImage> image = reader.next();
+      processor_begin += processorSeconds() - before;
+      return image;
     };
     while (result.skipped < options.skip && reader.skip()) progress(++result.skipped);
     const std::size_t most = options.frames > 0 ? options.frames : std::numeric_limits<std::size_t>::max();
@@ -168,6 +176,7 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
     run.finish(result);
     const std::size_t processed = result.log.frames().size();
     result.stopped_to_restart = run.hasLearnt(result) && processed <= options.stop_if_learnt_within;
+    result.times.cpu = processorSeconds() - processor_begin;
   }
   result.correction = run.correction();
   result.trajectory = run.trajectory();

@@ -54,6 +54,13 @@ void writeStage(std::ostream& out, const char* name, double seconds, std::size_t
   out << "  " << name << ": {total_s: " << seconds << ", per_frame_ms: " << per_frame << "}\n";
 }
 
+void writeProcessorTime(std::ostream& out, double core_seconds, const std::vector<FrameRecord>& frames) {
+  const double duration =
+      frames.empty() ? 0.0 : 1e-9 * static_cast<double>(frames.back().mid_exposure_ns - frames.front().mid_exposure_ns);
+  const double per_second = duration > 0.0 ? core_seconds / duration : 0.0;
+  out << "cpu: {total_s: " << core_seconds << ", per_second: " << per_second << "}\n";
+}
+
 }  // namespace
 
 void writeFrames(const std::vector<FrameRecord>& frames, std::ostream& out) {
@@ -110,6 +117,7 @@ void writeSummary(const OfflineResult& result, const std::vector<std::pair<std::
   writeStage(out, "tracking", times.tracking, counts.frames);
   writeStage(out, "mapping", times.mapping, counts.frames);
   writeStage(out, "total", times.total, counts.frames);
+  writeProcessorTime(out, times.cpu, result.log.frames());
   out << "peak_memory_mb: " << std::setprecision(1) << peakMemoryMegabytes() << "\n";
 }
 

@@ -98,6 +98,7 @@ TEST(RunWriter, WritesAllFilesAndAReadableSummary) {
   result.trajectory = {entryAt(10, 1)};
   result.times.tracking = 2.0;
   result.exposure = {2.5, 0.03, true};
+  result.times.cpu = 3.0;
   SequenceImage rejected;
   rejected.sequence = 9;
   result.log.addRejected(rejected, "stamp repeats");
@@ -114,6 +115,7 @@ TEST(RunWriter, WritesAllFilesAndAReadableSummary) {
   EXPECT_DOUBLE_EQ(summary["exposure_ratio_sigma"].as<double>(), 0.03);
   EXPECT_TRUE(summary["exposure_ratio_used"].as<bool>());
   EXPECT_DOUBLE_EQ(summary["times"]["tracking"]["per_frame_ms"].as<double>(), 2000.0);
+  EXPECT_DOUBLE_EQ(summary["cpu"]["total_s"].as<double>(), 3.0);
   EXPECT_GT(summary["peak_memory_mb"].as<double>(), 1.0);
 }
 

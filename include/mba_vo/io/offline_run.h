@@ -37,6 +37,7 @@ struct StageTimes {
   double tracking = 0.0;
   double mapping = 0.0;
   double total = 0.0;  // of the whole loop
+  double cpu = 0.0;    // processor time of all threads, all but `load` [core seconds]
 };
 
 struct OfflineResult {
