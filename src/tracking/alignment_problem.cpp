@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kSpreadStride = 4;  // of the patches that tell the spread of the residuals: they are many
 constexpr double kReselectShift = 1.0;    // [px] mean motion of the points after which the patches are chosen anew
+constexpr double kPriorSigma = 2.2;  // of the pose, in Huber thresholds: correlation included, as residual_sigma is
 constexpr double kBrightnessGainSigma = 1.0;
 constexpr double kBrightnessOffsetSigma = 50.0;  // [grey levels]
 
@@ -201,12 +202,16 @@ void AlignmentProblem::addPriors(const AlignmentState& state, Equations& equatio
   equations.addPrior<2>(12, Eigen::Vector2d(state.a, state.b), scale * brightness_information);
   equations.prior_scatter.tail<2>() = scale * scale * brightness_information;
   if (!prior_) return;
+  // Small residuals, as blurred images leave them, speak louder against the predicted pose. Not against the expected
+  // xi: what weak blur says about it is wrong by more than its noise.
+  const double pose_sigma = std::min(options_.residual_sigma, kPriorSigma * loss_.threshold());
+  const double pose_scale = pose_sigma * pose_sigma;
   // Log(T_prior^-1 T Exp(d)) ~ Log(T_prior^-1 T) + d for the small deviations where the prior matters.
   const Vector6 deviation = (prior_->T_reference_mid.inverse() * state.T_reference_mid).log();
-  equations.addPrior<6>(0, deviation, scale * prior_->pose_information);
+  equations.addPrior<6>(0, deviation, pose_scale * prior_->pose_information);
   equations.addPrior<6>(6, state.xi - prior_->xi, scale * prior_->xi_information);
   // The gradient of a prior scatters by its weight times the deviation that it expects.
-  equations.prior_scatter.head<6>() = scale * scale * prior_->pose_information;
+  equations.prior_scatter.head<6>() = pose_scale * pose_scale * prior_->pose_information;
   equations.prior_scatter.segment<6>(6) = scale * scale * prior_->xi_information;
 }
 

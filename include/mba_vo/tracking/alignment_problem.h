@@ -32,7 +32,7 @@ struct AlignmentOptions {
   bool rotation_only = false;    // neither position nor linear velocity is estimated
   bool with_covariance = false;  // keep what it needs
   double exposure = 1.0;         // [s] that xi belongs to; matters to a rolling shutter alone
-  double residual_sigma = 20.0;  // [grey levels] weight of the priors against the pixels, correlation included
+  double residual_sigma = 20.0;  // [grey levels] largest weight of the priors against the pixels, correlation included
   double depth_noise = 3.0;      // [grey levels] pixel noise that the effect of depth uncertainty is compared with
 };
 
