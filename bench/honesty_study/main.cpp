@@ -15,7 +15,6 @@
 #include <opencv2/core/utility.hpp>
 
 #include "mba_vo/odometry/config_yaml.h"
-#include "mba_vo/tracking/expected_error.h"
 #include "point_errors.h"
 #include "recorded_run.h"
 #include "truth.h"
@@ -93,9 +92,7 @@ void list(const Reported& reported, const PointErrors& pose, const PointErrors& 
       "  frame %3d by keyframe %u (map %u): pose %6.2f px %5.1f %%, surface %6.2f px %5.1f %%, scale off %+5.1f %%, "
       "expected %.2f px, parallax %5.1f px, blur %4.1f px, error %.2f px, seen %3.0f %%, patches %3d %s\n",
       static_cast<int>(tracked.frame->sequence), reported.reference->id.keyframe_id, reported.reference->id.map_id,
-      pose.mean, 100.0 * pose.right, surface.mean, 100.0 * surface.right, 100.0 * drift,
-      expectedPixelError(*reported.reference, tracked.trajectory.T_reference_mid,
-                         tracked.covariance.topLeftCorner<6, 6>()),
+      pose.mean, 100.0 * pose.right, surface.mean, 100.0 * surface.right, 100.0 * drift, tracked.expected_error,
       tracked.measures.parallax_px, tracked.measures.blur_length_px, tracked.pixel_error,
       100.0 * tracked.measures.visible_fraction, tracked.points_used, tracked.reason.c_str());
 }

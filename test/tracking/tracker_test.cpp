@@ -204,6 +204,24 @@ TEST(Tracker, TooFewPointsAreLost) {
   EXPECT_FALSE(tracked.reason.empty());
 }
 
+TEST(Tracker, APoseThatIsHardlyKnownIsDegraded) {
+  // Points in a corner of the image leave the distant points of the other corners open.
+  const Case c = makeCase(2, 10.0);
+  const TrackedFrame usual = Tracker({}).track(*sharpReference(), c.frame, wrongGuess(c, 2));
+  EXPECT_EQ(usual.status, TrackingStatus::kTracking) << usual.reason;
+  EXPECT_GT(usual.expected_error, 0.01);
+  auto reference = std::make_shared<Reference>(*sharpReference());
+  auto& points = reference->points;
+  const auto away = [](const ReferencePoint& p) { return p.pixel.x() > 150.0F || p.pixel.y() > 150.0F; };
+  points.erase(std::remove_if(points.begin(), points.end(), away), points.end());
+  TrackerConfig config;
+  config.degraded_expected_error = 1.2 * usual.expected_error;
+  const TrackedFrame cornered = Tracker(config).track(*reference, c.frame, wrongGuess(c, 2));
+  EXPECT_GT(cornered.expected_error, config.degraded_expected_error);
+  EXPECT_EQ(cornered.status, TrackingStatus::kDegraded);
+  EXPECT_NE(cornered.reason.find("known to"), std::string::npos) << cornered.reason;
+}
+
 TEST(Tracker, ABlurredReferenceDoesNotBiasTheMotion) {
   // Both images are blurred along different paths; what the reference's own blur is has to be known.
   double known = 0.0;
