@@ -18,9 +18,10 @@ add_executable(tracking_study ${tracking_study_sources})
 mba_vo_options(tracking_study)
 target_link_libraries(tracking_study PRIVATE mba_vo_tracking mba_vo_simulation)
 
-add_executable(honesty_study bench/honesty_study.cpp)
+file(GLOB honesty_study_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/bench/honesty_study/*.cpp)
+add_executable(honesty_study ${honesty_study_sources})
 mba_vo_options(honesty_study)
-target_link_libraries(honesty_study PRIVATE mba_vo_io mba_vo_evaluation)
+target_link_libraries(honesty_study PRIVATE mba_vo_io mba_vo_evaluation mba_vo_simulation opencv_imgcodecs)
 
 add_executable(rotation_study bench/rotation_study.cpp)
 mba_vo_options(rotation_study)

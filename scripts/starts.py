@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Starts the odometry at every n-th frame of sequences and prints how soon and how well it begins.
 
-  scripts/starts.py [--bin DIR] [--every N] [--frames N] [--jobs N] [--list] SEQUENCE... [-- OPTION...]
+  scripts/starts.py [--bin DIR] [--every N] [--frames N] [--jobs N] [--offset X Y Z] [--list] SEQUENCE... [-- OPTION...]
 
 A SEQUENCE is a folder with groundtruth.txt; the options after -- go to mba_vo_offline. One line for each sequence:
 
@@ -31,8 +31,8 @@ LEAST_FOLLOWING = 0.5  # [s] to measure an ATE at all
 MOST_ERROR = 3.0  # [% of the path]
 
 
-def read_poses(file):
-    """Times, positions and the number of the map (0 = none given)."""
+def read_poses(file, offset=(0.0, 0.0, 0.0)):
+    """Times, positions of a point of the camera, and the number of the map (0 = none given)."""
     rows, map_id = [], 0
     with open(file) as lines:
         for line in lines:
@@ -40,9 +40,16 @@ def read_poses(file):
             if line.startswith("# map"):
                 map_id = int(words[2])
             elif words and not line.startswith("#"):
-                rows.append([map_id] + [float(w) for w in words[:4]])
-    rows = np.array(rows).reshape(-1, 5)
-    return rows[:, 1], rows[:, 2:5], rows[:, 0]
+                rows.append([map_id] + [float(w) for w in words[:8]])
+    rows = np.array(rows).reshape(-1, 9)
+    return rows[:, 1], rows[:, 2:5] + rotate(rows[:, 5:9], np.array(offset)), rows[:, 0]
+
+
+def rotate(quaternions, vector):
+    """x y z w, one in each row."""
+    axis, w = quaternions[:, :3], quaternions[:, 3:]
+    cross = 2.0 * np.cross(axis, vector)
+    return vector + w * cross + np.cross(axis, cross)
 
 
 def align(estimate, truth):
@@ -56,8 +63,8 @@ def align(estimate, truth):
 
 
 class Truth:
-    def __init__(self, folder):
-        self.times, self.positions, _ = read_poses(os.path.join(folder, "groundtruth.txt"))
+    def __init__(self, folder, offset):
+        self.times, self.positions, _ = read_poses(os.path.join(folder, "groundtruth.txt"), offset)
 
     def at(self, times):
         return np.stack([np.interp(times, self.times, self.positions[:, k]) for k in range(3)], axis=1)
@@ -71,7 +78,7 @@ class Truth:
 
 def start_at(arguments, folder, skip):
     """Runs from one frame on; what is known of it before the depth of the sequence is."""
-    truth = Truth(folder)
+    truth = Truth(folder, arguments.offset)
     with tempfile.TemporaryDirectory() as output:
         command = [os.path.join(arguments.bin, "mba_vo_offline"), folder, "--output", output, "--skip", str(skip),
                    "--frames", str(arguments.frames), *arguments.options]
@@ -106,7 +113,7 @@ def quantiles(values, *levels):
 
 
 def report(arguments, folder, starts):
-    truth = Truth(folder)
+    truth = Truth(folder, arguments.offset)
     depth = np.median([s["scale"] for s in starts if s["map"] is not None] or [1.0])
     delays, errors, shares = [], [], []
     for s in starts:
@@ -136,6 +143,8 @@ def main():
     parser.add_argument("--first", type=int, default=0, help="frame of the first start")
     parser.add_argument("--frames", type=int, default=120, help="images read per start")
     parser.add_argument("--jobs", type=int, default=2, help="starts at a time")
+    parser.add_argument("--offset", type=float, nargs=3, default=(0.0, 0.0, 0.0), metavar=("X", "Y", "Z"),
+                        help="of the camera from the point whose poses are the ground truth, in its axes [m]")
     parser.add_argument("--list", action="store_true", help="print every start, not only the bad ones")
     words = sys.argv[1:]
     end = words.index("--") if "--" in words else len(words)
@@ -143,7 +152,7 @@ def main():
     arguments.options = words[end + 1:]
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         for folder in (s.rstrip("/") for s in arguments.sequences):
-            count = len(Truth(folder).times)
+            count = len(Truth(folder, arguments.offset).times)
             skips = range(arguments.first, count - 45, arguments.every)
             report(arguments, folder, list(pool.map(lambda skip, f=folder: start_at(arguments, f, skip), skips)))
 

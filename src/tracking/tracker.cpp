@@ -6,6 +6,7 @@
 
 #include "mba_vo/image/image_content.h"
 #include "mba_vo/solver/levenberg_marquardt.h"
+#include "mba_vo/tracking/expected_error.h"
 #include "mba_vo/tracking/frame_measures.h"
 #include "mba_vo/tracking/point_subset.h"
 
@@ -272,6 +273,11 @@ TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& fra
   tracked.xi_prior_limited = tracked.measures.blur_length_px < kObservableBlur;
   tracked.covariance = covarianceOf(job, result, tracked.measures.blur_length_px);
   tracked.pixel_error = pixelError(job, result);
+  // Points at infinity say nothing of the position.
+  if (!reference.at_infinity) {
+    tracked.expected_error =
+        expectedPixelError(reference, state.T_reference_mid, tracked.covariance.topLeftCorner<6, 6>());
+  }
   judge(reference, state.a, tracked);
   tracked.tracking_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return tracked;

@@ -55,6 +55,9 @@ void Tracker::judge(const Reference& reference, double log_gain, TrackedFrame& t
   } else if (tracked.pixel_error > config_.degraded_pixel_error) {
     tracked.status = TrackingStatus::kDegraded;
     tracked.reason = format("the image differs from the reference like one shifted by %.1f px", tracked.pixel_error);
+  } else if (tracked.expected_error > config_.degraded_expected_error) {
+    tracked.status = TrackingStatus::kDegraded;
+    tracked.reason = format("the pose is known to %.1f px only", tracked.expected_error);
   } else if (!reference.doubt.empty()) {
     tracked.status = TrackingStatus::kDegraded;
     tracked.reason = reference.doubt;

@@ -1,5 +1,6 @@
 #include "mba_vo/tracking/point_subset.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -71,6 +72,17 @@ TEST(PointSubset, PrefersStrongGradientsOfTheLevelInUse) {
     for (int i = 0; i < 6000; ++i) all += gradient(i) / 6000.0;
     EXPECT_GT(chosen, 1.5 * all) << "level " << level;
   }
+}
+
+TEST(PointSubset, IsDenserWhereOnlyAPartOfTheImageHasPoints) {
+  auto reference = std::make_shared<Reference>(*unevenReference());
+  auto& points = reference->points;
+  const auto away = [](const ReferencePoint& p) { return p.pixel.x() > 90.0F; };
+  points.erase(std::remove_if(points.begin(), points.end(), away), points.end());
+  constexpr int kMax = 200;
+  const std::size_t count = selectEvenSubset(*reference, 0, 9, kMax).size();
+  EXPECT_GT(count, kMax / 2U);  // a quarter of the image
+  EXPECT_LE(count, static_cast<std::size_t>(kMax));
 }
 
 TEST(PointSubset, OfNothingIsNothing) {

@@ -204,6 +204,20 @@ TEST(Tracker, TooFewPointsAreLost) {
   EXPECT_FALSE(tracked.reason.empty());
 }
 
+TEST(Tracker, APoseThatIsHardlyKnownIsDegraded) {
+  const Case c = makeCase(2, 10.0);
+  const TrackingGuess guess(ExposureTrajectory{c.T_reference_mid, c.velocity, kExposure});
+  const TrackedFrame usual = Tracker({}).track(*sharpReference(), c.frame, guess);
+  EXPECT_EQ(usual.status, TrackingStatus::kTracking) << usual.reason;
+  EXPECT_GT(usual.expected_error, 0.01);
+  EXPECT_LT(usual.expected_error, 0.2);
+  TrackerConfig config;
+  config.degraded_expected_error = 0.9 * usual.expected_error;
+  const TrackedFrame strict = Tracker(config).track(*sharpReference(), c.frame, guess);
+  EXPECT_EQ(strict.status, TrackingStatus::kDegraded);
+  EXPECT_NE(strict.reason.find("known to"), std::string::npos) << strict.reason;
+}
+
 TEST(Tracker, ABlurredReferenceDoesNotBiasTheMotion) {
   // Both images are blurred along different paths; what the reference's own blur is has to be known.
   double known = 0.0;

@@ -41,6 +41,7 @@ struct TrackedFrame {
   bool xi_prior_limited = true;            // too little blur for the covariance of xi to mean anything
   double residual_rms = 0.0;               // robust, level 0 [grey levels]
   double pixel_error = 0.0;                // shift of the image that would make such residuals [px]
+  double expected_error = 0.0;             // of the points in the image, by the covariance of the pose [px]
   FrameMeasures measures;                  // how it sees the points of the reference
   double inlier_fraction = 0.0;            // of the pixels, below the Huber threshold
   int points_used = 0;                     // patches

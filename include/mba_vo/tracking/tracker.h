@@ -24,6 +24,7 @@ struct TrackerConfig {
   double degraded_inlier_fraction = 0.6;
   double degraded_pixel_error = 1.2;
   double max_pixel_error = 3.0;
+  double degraded_expected_error = 0.5;
   int min_patches = 20;
   MotionPriorConfig motion_prior;
 
@@ -43,6 +44,8 @@ struct TrackerConfig {
     v("degraded_pixel_error", c.degraded_pixel_error, 0.1, 100.0,
       "residual over gradient above which a frame is degraded [px]");
     v("max_pixel_error", c.max_pixel_error, 0.1, 100.0, "the same, above which it is lost [px]");
+    v("degraded_expected_error", c.degraded_expected_error, 0.01, 100.0,
+      "std. deviation of the points in the image by the covariance of the pose, above which it is degraded [px]");
     v("min_patches", c.min_patches, 5, 1000, "visible patches below which a frame is lost");
     v.section("motion_prior", c.motion_prior);
   }
