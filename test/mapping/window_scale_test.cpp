@@ -21,8 +21,8 @@ SE3 truth(KeyframeId i) {
   return SE3::exp(v);
 }
 
-/// All lengths too long by kBegun, except those measured at the points of the first keyframe, of which every eighth is
-/// far too short.
+/// All lengths too long by kBegun, except those measured at the points of the first keyframe, of which every twelfth is
+/// far too long or too short.
 std::unique_ptr<Window> begin(bool measured) {
   const PinholeCamera camera = test::smallCamera();
   const test::PlanarScene scene = test::PlanarScene::corner(0.4);
@@ -42,7 +42,7 @@ std::unique_ptr<Window> begin(bool measured) {
         const double d = scene.inverseDepth(camera, truth(i), {x, y});
         MeasuredDepth depth;
         if (measured && i == 0) depth = {d * (1.0 + random.normal(kSigma)), kSigma * kSigma * d * d};
-        if (count++ % 8 == 0) depth.inverse_depth *= 2.0;  // belongs to something else
+        if (++count % 12 == 0) depth.inverse_depth *= count % 24 == 0 ? 0.5 : 2.0;  // belongs to something else
         window->addPoint(i, {x, y}, d / kBegun, depth);
       }
     }
