@@ -17,7 +17,7 @@ constexpr double kCauchySigmas = 3.0;  // deviation from which on a measurement 
 
 constexpr double kAgreeSigmas = 3.0;  // within which two measurements agree
 constexpr int kMinCompared = 50;      // points that mean something
-constexpr double kMinAgreeing = 0.7;  // share of them
+constexpr double kMinAgreeing = 0.8;  // share of them
 
 }  // namespace
 

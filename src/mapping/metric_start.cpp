@@ -11,13 +11,13 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kSharp = 3.0;           // [px] of blur that is worth no wait
-constexpr int kPoints = 1000;            // of the first keyframe, those without depth included
-constexpr std::size_t kMinPoints = 100;  // with depth
-constexpr int kMinTracks = 30;           // of a neighbouring frame, to find its pose
-constexpr double kSigma = 0.5;           // of a track [px]
-constexpr double kTolerance = 2.0;       // of a track [px]
-constexpr double kMinExplained = 0.6;    // share of the tracks that must agree with the depths
+constexpr double kMostBlur = 1.0 / 30.0;  // of the image's width, that is worth no wait
+constexpr int kPoints = 1000;             // of the first keyframe, those without depth included
+constexpr std::size_t kMinPoints = 100;   // with depth
+constexpr int kMinTracks = 30;            // of a neighbouring frame, to find its pose
+constexpr double kSigma = 0.5;            // of a track [px]
+constexpr double kTolerance = 2.0;        // of a track [px]
+constexpr double kMinExplained = 0.6;     // share of the tracks that must agree with the depths
 
 Bundle makeBundle(const InitializerImage& image, const std::vector<Eigen::Vector2d>& corners,
                   const DepthSensorConfig& sensor) {
@@ -61,7 +61,8 @@ std::unique_ptr<InitialMap> MetricStart::attempt(const InitializerBuffer& buffer
   }
   if (best == images.size()) return nullptr;
   const auto seconds = [&](std::size_t i) { return images[i].image->frame->midExposureSeconds(); };
-  if (buffer.blurLength(best) > kSharp && seconds(images.size() - 1) - seconds(first) < max_wait_) {
+  const double most_blur = kMostBlur * images[best].image->frame->pyramid.level(0).camera.width;
+  if (buffer.blurLength(best) > most_blur && seconds(images.size() - 1) - seconds(first) < max_wait_) {
     reason_ = "waiting for a sharper frame with depths";
     return nullptr;
   }

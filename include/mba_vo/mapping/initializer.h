@@ -25,7 +25,7 @@ struct InitializerConfig {
     v("max_wait_seconds", c.max_wait_seconds, 0.0, 10.0, "longest wait for it once there is a map [s]");
     v("max_points", c.max_points, 100, 5000, "corners of the reference that are tracked");
     v("depth_wait", c.depth_wait, 0.0, 10.0,
-      "where frames come with depth images: longest wait for a sharper one, if they are blurred [s]");
+      "where frames come with depth images: longest wait for a less blurred one, if the first are very blurred [s]");
   }
 };
 
