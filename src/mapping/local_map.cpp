@@ -132,7 +132,7 @@ void LocalMap::refineWindow(KeyframeReport& report) {
   updateSlopes();
   Clock::time_point stage = Clock::now();
   const WindowSummary summary = window_.optimize(config_.window.max_iterations);
-  report.depths = window_.depthAgreement();
+  report.depths = summary.depths;
   storePoses();
   report.optimisation_ms = millisecondsSince(stage);
 

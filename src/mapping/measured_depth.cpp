@@ -19,6 +19,14 @@ constexpr double kAgreeSigmas = 3.0;  // within which two measurements agree
 constexpr int kMinCompared = 50;      // points that mean something
 constexpr double kMinAgreeing = 0.8;  // share of them
 
+constexpr double kTellingSigma = 0.07;  // of an inverse depth by the images, relative, that tells something
+
+/// In some other keyframe than its own.
+bool isSeen(const PointState& point) {
+  return std::any_of(point.residuals.begin(), point.residuals.end(),
+                     [](const PatchResidual& residual) { return std::isfinite(residual.energy); });
+}
+
 }  // namespace
 
 MeasuredDepth measureDepth(const cv::Mat1f& depth, const Eigen::Vector2i& pixel, const DepthSensorConfig& config) {
@@ -68,16 +76,20 @@ bool DepthAgreement::fails() const {
 DepthAgreement compareDepths(const WindowState& state) {
   DepthAgreement result;
   for (const PointState& point : state.points) {
-    const MeasuredDepth& measured = point.measured;
-    if (!measured.known()) continue;
+    if (!point.measured.known() || !isSeen(point)) continue;
+    if (state.goodResiduals(point) == 0) {
+      ++result.compared;
+      continue;
+    }
     // By the images alone: what the measurement adds is known.
-    const MeasuredDepthTerm term = measuredDepthTerm(measured, point.inverse_depth);
-    const double information = point.information - term.H;
-    if (information * measured.variance < kResidualVariance) continue;
-    const double by_images = point.inverse_depth + term.b / information;
-    const double variance = measured.variance + kResidualVariance / information;
+    const MeasuredDepthTerm term = measuredDepthTerm(point.measured, point.inverse_depth);
+    const double information = (point.information - term.H) / kResidualVariance;
+    const double telling = kTellingSigma * point.measured.inverse_depth;
+    if (information * telling * telling < 1.0) continue;
+    const double by_images = point.inverse_depth + term.b / (kResidualVariance * information);
+    const double sigma = std::sqrt(point.measured.variance + 1.0 / information);
     ++result.compared;
-    if (std::abs(by_images - measured.inverse_depth) < kAgreeSigmas * std::sqrt(variance)) ++result.agreeing;
+    if (std::abs(by_images - point.measured.inverse_depth) < kAgreeSigmas * sigma) ++result.agreeing;
   }
   return result;
 }

@@ -274,8 +274,6 @@ void Window::setSlopes(const std::function<Eigen::Vector2d(const WindowPoint&)>&
   for (std::size_t i = 0; i < described.size(); ++i) impl_->state_.points[i].slope = slopeOf(described[i]);
 }
 
-DepthAgreement Window::depthAgreement() const { return compareDepths(impl_->state_); }
-
 int Window::pointCount() const { return static_cast<int>(impl_->state_.points.size()); }
 
 double Window::visibleFraction(KeyframeId id) const {

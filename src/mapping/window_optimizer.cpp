@@ -178,6 +178,7 @@ void WindowOptimizer::finish(WindowState& state, const DepthPrior& depth_prior, 
                                    }),
                     residuals.end());
   }
+  summary.depths = compareDepths(state);
   summary.rms = std::sqrt(energy / std::max(1, summary.residuals * kResidualPixels));
   state.points.erase(std::remove_if(state.points.begin(), state.points.end(),
                                     [&](const PointState& p) {

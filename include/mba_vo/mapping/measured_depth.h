@@ -46,7 +46,7 @@ double measuredDepthCost(const WindowState& state);
 /// Adds Hessian and half the gradient of the inverse depth of the point in this row of the system.
 void addMeasuredDepth(const PointState& point, Eigen::Index row, LinearizedWindow& system);
 
-/// Points whose depths the images tell as well as the depth image does, and how many of them do so in the same way.
+/// Points with measured depths that the images can tell to be wrong, and how many of them seem right.
 struct DepthAgreement {
   int compared = 0;
   int agreeing = 0;
@@ -54,7 +54,7 @@ struct DepthAgreement {
   /// Too many do not: the depth images are not those of these images.
   bool fails() const;
 };
-/// After an optimisation.
+/// At the end of an optimisation, points that fit nowhere included.
 DepthAgreement compareDepths(const WindowState& state);
 
 /// The same for one point.

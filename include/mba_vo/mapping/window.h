@@ -81,6 +81,7 @@ struct WindowSummary {
   int iterations = 0;
   int residuals = 0;  // inlier (point, target) pairs
   double rms = 0.0;   // per pixel [grey levels]
+  DepthAgreement depths;
 };
 
 /// Windowed photometric bundle adjustment (DSO, Sec. 2-3): keyframe poses, affine brightness and inverse depths, with
@@ -130,8 +131,6 @@ class Window {
   AffineBrightness brightness(KeyframeId id) const;
   std::vector<WindowPoint> points() const;
   int pointCount() const;
-  /// Of measured depths with those that the images tell, after an optimisation.
-  DepthAgreement depthAgreement() const;
   /// Share of the points ever hosted by the keyframe that the newest keyframe still sees.
   double visibleFraction(KeyframeId id) const;
 
