@@ -16,16 +16,10 @@ constexpr double kNoiseSigmas = 6.0;  // ... beyond this noise
 constexpr double kCauchySigmas = 3.0;  // deviation from which on a measurement loses its influence
 
 constexpr double kAgreeSigmas = 3.0;  // within which two measurements agree
-constexpr int kMinCompared = 50;      // points that mean something
+constexpr int kMinCompared = 30;      // points that mean something
 constexpr double kMinAgreeing = 0.8;  // share of them
 
-constexpr double kTellingSigma = 0.07;  // of an inverse depth by the images, relative, that tells something
-
-/// In some other keyframe than its own.
-bool isSeen(const PointState& point) {
-  return std::any_of(point.residuals.begin(), point.residuals.end(),
-                     [](const PatchResidual& residual) { return std::isfinite(residual.energy); });
-}
+constexpr double kTellingSigma = 0.1;  // of an inverse depth by the images, relative, that tells something
 
 }  // namespace
 
@@ -76,11 +70,7 @@ bool DepthAgreement::fails() const {
 DepthAgreement compareDepths(const WindowState& state) {
   DepthAgreement result;
   for (const PointState& point : state.points) {
-    if (!point.measured.known() || !isSeen(point)) continue;
-    if (state.goodResiduals(point) == 0) {
-      ++result.compared;
-      continue;
-    }
+    if (!point.measured.known() || state.goodResiduals(point) == 0) continue;
     // By the images alone: what the measurement adds is known.
     const MeasuredDepthTerm term = measuredDepthTerm(point.measured, point.inverse_depth);
     const double information = (point.information - term.H) / kResidualVariance;

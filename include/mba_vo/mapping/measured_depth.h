@@ -54,7 +54,7 @@ struct DepthAgreement {
   /// Too many do not: the depth images are not those of these images.
   bool fails() const;
 };
-/// At the end of an optimisation, points that fit nowhere included.
+/// At the end of an optimisation.
 DepthAgreement compareDepths(const WindowState& state);
 
 /// The same for one point.
