@@ -29,10 +29,13 @@ struct Arguments {
   std::string output;
   std::string config_file;
   std::string images = "images";
+  mba_vo::DepthFolder depth;
   std::string exposure = "auto";
   std::string image_topic;
   std::string camera_info_topic;
   std::string exposure_topic;
+  std::string depth_topic;
+  double depth_tolerance = 0.02;  // [s]
   std::string stamp_reference = "middle";
   std::optional<double> row_time;  // [s]
   std::size_t skip = 0;
@@ -67,6 +70,12 @@ void describe(CLI::App& app, Arguments& a) {
   app.add_option("--output", a.output, "folder for the results, made if need be");
   app.add_option("--config", a.config_file, "YAML file with options; see --print-config");
   app.add_option("--images", a.images, "sub-folder with the images of a sequence folder")->capture_default_str();
+  app.add_option(
+      "--depth", a.depth.subfolder,
+      "sub-folder with depth images of a sequence folder: the map then begins at once, and its scale is theirs");
+  app.add_option("--depth-units", a.depth.units_per_metre, "units per metre of 16-bit depth images")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 1e6));
   app.add_option("--exposure", a.exposure, "auto = as recorded, or seconds for all images; 0 = treat as sharp")
       ->capture_default_str()
       ->check(checkExposure);
@@ -89,6 +98,11 @@ void describe(CLI::App& app, Arguments& a) {
   app.add_option("--image-topic", a.image_topic, "of the bag; found by type if there is only one");
   app.add_option("--camera-info-topic", a.camera_info_topic, "of the bag; found beside the image topic");
   app.add_option("--exposure-topic", a.exposure_topic, "of the bag; found by type if there is only one");
+  app.add_option("--depth-topic", a.depth_topic,
+                 "of the bag: depth images in metres or millimetres; none if not named");
+  app.add_option("--depth-tolerance", a.depth_tolerance, "most seconds between the stamps of image and depth image")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0));
   app.add_option("--stamp-reference", a.stamp_reference, "what the bag's image stamps refer to: start, middle or end")
       ->capture_default_str()
       ->check(CLI::IsMember({"start", "middle", "end"}));
@@ -126,6 +140,8 @@ std::unique_ptr<mba_vo::SequenceReader> openBag(const Arguments& a) {
   topics.image = a.image_topic;
   topics.camera_info = a.camera_info_topic;
   topics.exposure = a.exposure_topic;
+  topics.depth = a.depth_topic;
+  topics.depth_tolerance = a.depth_tolerance;
   topics.stamp_reference = mba_vo::parseStampReference(a.stamp_reference);
   topics.rectified = a.rectified;
   auto bag = mba_vo::openBag(a.sequence, topics);
@@ -145,13 +161,15 @@ std::unique_ptr<mba_vo::SequenceReader> openSequence(const Arguments& a) {
   if (!std::filesystem::exists(a.sequence)) {
     throw std::runtime_error(a.sequence + ": no such sequence folder or bag");
   }
-  return std::filesystem::is_directory(a.sequence) ? mba_vo::openSequenceFolder(a.sequence, a.images) : openBag(a);
+  if (!std::filesystem::is_directory(a.sequence)) return openBag(a);
+  return mba_vo::openSequenceFolder(a.sequence, a.images, a.depth);
 }
 
 /// What summary.yaml says about how the run was made.
 std::vector<std::pair<std::string, std::string>> settingsOf(const Arguments& a) {
   return {{"sequence", a.sequence},
           {"images", a.images},
+          {"depth", a.depth.subfolder + a.depth_topic},
           {"config", a.config_file},
           {"exposure", a.exposure},
           {"deterministic", a.deterministic ? "yes" : "no"},
@@ -162,8 +180,9 @@ void printCounts(const mba_vo::OfflineResult& result) {
   const mba_vo::FrameCounts counts = mba_vo::countFrames(result.log.frames());
   std::cout << counts.tracked << " of " << counts.frames << " frames tracked, " << counts.dropped_after_initialization
             << " dropped after initialisation, " << counts.rejected << " rejected at the input, "
-            << result.log.keyframes().size() << " keyframes, " << counts.maps << " map(s), " << result.times.total
-            << " s\n";
+            << result.log.keyframes().size() << " keyframes, " << counts.maps << " map(s), "
+            << (counts.metric_maps == 0 ? "scale arbitrary" : std::to_string(counts.metric_maps) + " in metres") << ", "
+            << result.times.total << " s\n";
   if (counts.tracked == 0) {
     throw std::runtime_error("no frame could be tracked; frames.csv tells why");
   }

@@ -34,16 +34,25 @@ class FrameBuilder::Impl {
   }
 
   ImagePyramid makePyramid(const cv::Mat& image) const {
-    if (image.cols != camera().width || image.rows != camera().height) {
-      std::ostringstream message;
-      message << "image is " << image.cols << "x" << image.rows << ", the camera calibration says " << camera().width
-              << "x" << camera().height;
-      throw std::invalid_argument(message.str());
-    }
+    requireSize("image", image);
     return {rectifier_.rectify(correction_.apply(image)), camera(), levels_};
   }
 
+  cv::Mat1f makeDepth(const cv::Mat1f& depth) const {
+    if (depth.empty()) return {};
+    requireSize("depth image", depth);
+    return rectifier_.rectifyDepth(depth);
+  }
+
  private:
+  void requireSize(const char* what, const cv::Mat& image) const {
+    if (image.cols == camera().width && image.rows == camera().height) return;
+    std::ostringstream message;
+    message << what << " is " << image.cols << "x" << image.rows << ", the camera calibration says " << camera().width
+            << "x" << camera().height;
+    throw std::invalid_argument(message.str());
+  }
+
   CameraCalibration calibration_;
   Rectifier rectifier_;
   PhotometricCorrection correction_;
@@ -64,7 +73,8 @@ const PinholeCamera& FrameBuilder::camera() const { return impl_->camera(); }
 void FrameBuilder::correct(const CalibrationCorrection& correction) { impl_->correct(correction); }
 
 FrameConstPtr FrameBuilder::build(const cv::Mat& image, std::uint64_t sequence, std::int64_t stamp_ns,
-                                  std::int64_t mid_exposure_ns, std::optional<double> exposure) const {
+                                  std::int64_t mid_exposure_ns, std::optional<double> exposure,
+                                  const cv::Mat1f& depth) const {
   auto frame = std::make_shared<Frame>();
   frame->sequence = sequence;
   frame->stamp_ns = stamp_ns;
@@ -72,6 +82,7 @@ FrameConstPtr FrameBuilder::build(const cv::Mat& image, std::uint64_t sequence, 
   frame->exposure = exposure;
   frame->correction = impl_->correction();
   frame->pyramid = impl_->makePyramid(image);
+  frame->depth = impl_->makeDepth(depth);
   return frame;
 }
 

@@ -187,4 +187,17 @@ cv::Mat1f Rectifier::rectify(const cv::Mat1f& image) const {
   return result;
 }
 
+cv::Mat1f Rectifier::rectifyDepth(const cv::Mat1f& depth) const {
+  if (isIdentity()) return depth;
+  const cv::Mat1f source = depth.isContinuous() ? depth : cv::Mat1f(depth.clone());
+  cv::Mat1f result(camera_.height, camera_.width);
+  const float* const in = source[0];
+  float* out = result[0];
+  for (const Sample& s : samples_) {
+    const int nearest = s.offset + (s.wx > 0.5F ? 1 : 0) + (s.wy > 0.5F ? camera_.width : 0);
+    *out++ = s.offset < 0 ? std::numeric_limits<float>::quiet_NaN() : in[nearest];
+  }
+  return result;
+}
+
 }  // namespace mba_vo

@@ -110,6 +110,7 @@ class Spoiler {
     if (fault_ == "gap") return;
     SequenceImage image = recording_[at_];
     image.image = spoiltImage();
+    if (!fault_.empty()) image.depth.release();  // that of another instant, or of nothing
     image.problem = image.image.empty() ? "spoilt" : "";
     if (!image.image.empty()) last_ = image.image;
     image.sequence = images.size();

@@ -76,7 +76,9 @@ class Run {
       const Stopwatch stopwatch(processing);
       return odometry_.process(frame);
     }();
-    account(odometry, processing, verdict.reason, result);
+    std::string warning = verdict.reason;
+    if (!image.problem.empty()) warning += (warning.empty() ? "" : "; ") + image.problem;
+    account(odometry, processing, warning, result);
     if (result.exposure.used) result.exposure_correction = learnt(verdict.exposure.has_value(), result.exposure.ratio);
     builder_.correct(odometry_.correction());
   }
@@ -133,7 +135,7 @@ class Run {
   FrameConstPtr build(const SequenceImage& image, const std::optional<double>& exposure, double& seconds) const {
     const Stopwatch stopwatch(seconds);
     try {
-      return builder_.build(image.image, image.sequence, image.stamp_ns, image.mid_exposure_ns, exposure);
+      return builder_.build(image.image, image.sequence, image.stamp_ns, image.mid_exposure_ns, exposure, image.depth);
     } catch (const std::invalid_argument& error) {
       throw std::runtime_error("image " + std::to_string(image.sequence) + ": " + error.what());
     }

@@ -35,6 +35,7 @@ void RunLog::add(const OdometryResult& result, const std::string& warning) {
   for (const MapperOutput& mapping : result.mapping) {
     appendText(frames_.back().message, mapping.message);
     if (mapping.keyframe) keyframes_.push_back(*mapping.keyframe);
+    if (mapping.reference && mapping.reference->metric) metric_maps_.insert(mapping.reference->id.map_id);
   }
   for (const TrackedFrameConstPtr& late : result.late) {
     addLate(*late);
@@ -86,6 +87,7 @@ void RunLog::settle(const std::vector<TrajectoryEntry>& trajectory) {
     const bool was_tracked = frame.points_used.has_value();
     if (found != map_of_frame.end()) {
       frame.map = found->second;
+      frame.metric = metric_maps_.count(found->second) > 0;
       if (!was_tracked) {
         const bool initializing = frame.status == toString(TrackingStatus::kInitializing);
         frame.reason = initializing ? "tracked backwards after initialisation" : "tracked later by the mapper";
@@ -101,7 +103,7 @@ void RunLog::settle(const std::vector<TrajectoryEntry>& trajectory) {
 FrameCounts countFrames(const std::vector<FrameRecord>& frames) {
   const auto hasNoPose = [](const FrameRecord& frame) { return !frame.hasPose(); };
   const auto first = std::find_if_not(frames.begin(), frames.end(), hasNoPose);
-  std::set<MapId> maps;
+  std::set<MapId> maps, metric_maps;
   FrameCounts counts;
   counts.frames = frames.size();
   for (const FrameRecord& frame : frames) {
@@ -109,11 +111,13 @@ FrameCounts countFrames(const std::vector<FrameRecord>& frames) {
     if (frame.hasPose()) {
       ++counts.tracked;
       maps.insert(*frame.map);
+      if (frame.metric) metric_maps.insert(*frame.map);
     }
   }
   counts.dropped = counts.frames - counts.tracked;
   counts.dropped_after_initialization = static_cast<std::size_t>(std::count_if(first, frames.end(), hasNoPose));
   counts.maps = maps.size();
+  counts.metric_maps = metric_maps.size();
   return counts;
 }
 

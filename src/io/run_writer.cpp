@@ -80,13 +80,14 @@ void writeFrames(const std::vector<FrameRecord>& frames, std::ostream& out) {
 
 void writeKeyframes(const std::vector<KeyframeReport>& keyframes, std::ostream& out) {
   out << "keyframe,sequence,time,blur_px,points,residuals,rms,error_px,depth_search_ms,activation_ms,deblur_ms,"
-         "optimisation_ms,calibration_ms,marginalisation_ms,selection_ms,total_ms\n";
+         "optimisation_ms,calibration_ms,marginalisation_ms,selection_ms,total_ms,depths_compared,depths_agreeing\n";
   out << std::fixed << std::setprecision(3);
   for (const KeyframeReport& k : keyframes) {
     out << k.keyframe_id << "," << k.frame_sequence << "," << formatSeconds(k.mid_exposure_ns) << ","
         << k.blur_length_px << "," << k.points << "," << k.residuals << "," << k.rms << "," << k.error_px << ","
         << k.depth_search_ms << "," << k.activation_ms << "," << k.deblur_ms << "," << k.optimisation_ms << ","
-        << k.calibration_ms << "," << k.marginalisation_ms << "," << k.selection_ms << "," << k.total_ms << "\n";
+        << k.calibration_ms << "," << k.marginalisation_ms << "," << k.selection_ms << "," << k.total_ms << ","
+        << k.depths.compared << "," << k.depths.agreeing << "\n";
   }
 }
 
@@ -104,6 +105,7 @@ void writeSummary(const OfflineResult& result, const std::vector<std::pair<std::
   out << "skipped: " << result.skipped << "\n";
   out << "keyframes: " << result.log.keyframes().size() << "\n";
   out << "maps: " << counts.maps << "\n";
+  out << "metric_maps: " << counts.metric_maps << "\n";
   writeCalibration(result, out);
   if (std::isfinite(result.exposure.log_sigma)) {
     out << "exposure_ratio: " << result.exposure.ratio << "\n";

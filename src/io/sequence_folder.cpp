@@ -58,7 +58,8 @@ cv::Mat readImage(const fs::path& file) {
 
 class SequenceFolder : public SequenceReader {
  public:
-  SequenceFolder(const fs::path& folder, const std::string& images_subfolder) {
+  SequenceFolder(const fs::path& folder, const std::string& images_subfolder, const DepthFolder& depth)
+      : depth_units_(depth.units_per_metre) {
     requireFolder(folder);
     requireFolder(folder / images_subfolder);
     calibration_ = loadCameraYaml((folder / "camera.yaml").string());
@@ -75,6 +76,7 @@ class SequenceFolder : public SequenceReader {
         time.exposure.reset();
       }
     }
+    if (!depth.subfolder.empty()) findDepths(folder / depth.subfolder);
   }
 
   CameraCalibration calibration() const override { return calibration_; }
@@ -86,15 +88,14 @@ class SequenceFolder : public SequenceReader {
     }
     const ImageTime& time = times_[next_];
     const fs::path& file = files_[next_];
-    SequenceImage result{next_, time.mid_exposure_ns, time.mid_exposure_ns, time.exposure, readImage(file), ""};
+    SequenceImage result{next_, time.mid_exposure_ns, time.mid_exposure_ns, time.exposure, readImage(file), "", {}};
     ++next_;
     if (result.image.empty()) {
       result.problem = file.string() + ": not a readable image";
-    } else if (result.image.cols != calibration_.width || result.image.rows != calibration_.height) {
-      std::ostringstream message;
-      message << file.string() << ": image is " << result.image.cols << "x" << result.image.rows
-              << " px, camera.yaml says " << calibration_.width << "x" << calibration_.height;
-      throw std::runtime_error(message.str());
+    } else {
+      requireSize(file, "image", result.image);
+      const auto depth = depth_files_.find(time.id);
+      if (depth != depth_files_.end()) readDepth(depth->second, result);
     }
     return result;
   }
@@ -106,6 +107,41 @@ class SequenceFolder : public SequenceReader {
   }
 
  private:
+  void findDepths(const fs::path& folder) {
+    requireFolder(folder);
+    const std::map<std::string, fs::path> images = imagesByName(folder);
+    for (const ImageTime& time : times_) {
+      const auto found = images.find(nameOfImage(time.id));
+      if (found != images.end()) depth_files_[time.id] = found->second;
+    }
+    if (depth_files_.empty()) {
+      throw std::runtime_error(folder.string() + ": no depth image of any image that times.txt lists, e.g. " +
+                               nameOfImage(times_.empty() ? 0 : times_.front().id) + ".png");
+    }
+  }
+
+  void readDepth(const fs::path& file, SequenceImage& result) const {
+    const cv::Mat depth = readImage(file);
+    if (depth.empty()) {
+      result.problem = file.string() + ": not a readable depth image";
+      return;
+    }
+    requireSize(file, "depth image", depth);
+    try {
+      result.depth = depthInMetres(depth, depth_units_);
+    } catch (const std::invalid_argument& error) {
+      throw std::runtime_error(file.string() + ": " + error.what());
+    }
+  }
+
+  void requireSize(const fs::path& file, const char* what, const cv::Mat& image) const {
+    if (image.cols == calibration_.width && image.rows == calibration_.height) return;
+    std::ostringstream message;
+    message << file.string() << ": " << what << " is " << image.cols << "x" << image.rows << " px, camera.yaml says "
+            << calibration_.width << "x" << calibration_.height;
+    throw std::runtime_error(message.str());
+  }
+
   static void requireFolder(const fs::path& folder) {
     if (!fs::is_directory(folder)) {
       throw std::runtime_error(folder.string() + ": no such folder");
@@ -114,14 +150,17 @@ class SequenceFolder : public SequenceReader {
 
   CameraCalibration calibration_;
   std::vector<ImageTime> times_;
-  std::vector<fs::path> files_;  // by position, like times_
+  std::vector<fs::path> files_;                    // by position, like times_
+  std::map<std::uint64_t, fs::path> depth_files_;  // by id
+  double depth_units_;                             // per metre
   std::size_t next_ = 0;
 };
 
 }  // namespace
 
-std::unique_ptr<SequenceReader> openSequenceFolder(const std::string& folder, const std::string& images_subfolder) {
-  return std::make_unique<SequenceFolder>(folder, images_subfolder);
+std::unique_ptr<SequenceReader> openSequenceFolder(const std::string& folder, const std::string& images_subfolder,
+                                                   const DepthFolder& depth) {
+  return std::make_unique<SequenceFolder>(folder, images_subfolder, depth);
 }
 
 }  // namespace mba_vo

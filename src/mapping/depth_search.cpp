@@ -90,7 +90,7 @@ DepthSearcher::DepthSearcher(const ImageLevel& host, const ImageLevel& frame, co
       patch_maker_(*host_, frame_->camera, T_host, gain, offset, config.min_blur_px) {}
 
 void DepthSearcher::search(ImmaturePoint& point) const {
-  if (point.state == ImmaturePoint::State::kOutlier) return;
+  if (point.state == ImmaturePoint::State::kOutlier || point.measured.known()) return;
   if (!(point.energy_threshold > 0.0)) {
     point.energy_threshold = energyThreshold(host_->intensity, point.pixel, config_.huber_threshold);
   }

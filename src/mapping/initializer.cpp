@@ -6,6 +6,7 @@
 
 #include "mba_vo/mapping/initializer_buffer.h"
 #include "mba_vo/mapping/initializer_structure.h"
+#include "mba_vo/mapping/metric_start.h"
 
 namespace mba_vo {
 namespace {
@@ -16,6 +17,7 @@ constexpr int kAttemptEvery = 3;           // frames
 constexpr double kMinSpan = 0.3;           // [s] of frames before the first attempt
 constexpr double kMaxReferenceBlur = 8.0;  // [px] for which a sharper frame is waited for ...
 constexpr double kMaxReferenceWait = 1.0;  // ... this long [s]
+constexpr int kMostDepthDoubts = 2;        // from which on depth images are not used
 
 bool sameCamera(const PinholeCamera& a, const PinholeCamera& b) {
   return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
@@ -57,13 +59,19 @@ std::unique_ptr<InitialMap> makeMap(const InitializerBuffer& buffer, const std::
 
 class Initializer::Impl {
  public:
-  explicit Impl(const InitializerConfig& config) : config_(config), buffer_(config.buffer_seconds, config.max_points) {
+  Impl(const InitializerConfig& config, const DepthSensorConfig& sensor)
+      : config_(config),
+        buffer_(config.buffer_seconds, config.max_points),
+        metric_(config.depth_wait, config.max_points, sensor) {
     structure_.min_parallax = config.min_parallax;
   }
 
   std::unique_ptr<InitialMap> add(const FrameConstPtr& frame) {
     if (!continues(frame)) reset();
     buffer_.add(frame);
+    if (depth_doubts_ < kMostDepthDoubts) {
+      if (auto map = metric_.attempt(buffer_)) return map;
+    }
     if (!pending_) buffer_.updateReference();
     buffer_.updateTracks(kImagesPerFrame);
     ++since_attempt_;
@@ -80,10 +88,17 @@ class Initializer::Impl {
     return frames;
   }
 
-  const std::string& reason() const { return reason_; }
+  const std::string& reason() const { return metric_.reason().empty() ? reason_ : metric_.reason(); }
+
+  void doubtDepths(bool surely) {
+    depth_doubts_ += surely ? kMostDepthDoubts : 1;
+    metric_.reset();
+  }
+  void trustDepths() { depth_doubts_ = 0; }
 
   void reset() {
     buffer_.clear();
+    metric_.reset();
     pending_.reset();
     since_attempt_ = 0;
     reason_ = "collecting frames";
@@ -136,6 +151,8 @@ class Initializer::Impl {
   InitializerConfig config_;
   StructureConfig structure_;
   InitializerBuffer buffer_;
+  MetricStart metric_;
+  int depth_doubts_ = 0;
   std::string reason_ = "collecting frames";
   int since_attempt_ = 0;                // frames
   std::unique_ptr<InitialMap> pending_;  // good enough, but more parallax is being waited for
@@ -143,12 +160,15 @@ class Initializer::Impl {
   double pending_parallax_ = 0.0;
 };
 
-Initializer::Initializer(const InitializerConfig& config) : impl_(std::make_unique<Impl>(config)) {}
+Initializer::Initializer(const InitializerConfig& config, const DepthSensorConfig& sensor)
+    : impl_(std::make_unique<Impl>(config, sensor)) {}
 Initializer::~Initializer() = default;
 
 std::unique_ptr<InitialMap> Initializer::add(const FrameConstPtr& frame) { return impl_->add(frame); }
 std::vector<FrameConstPtr> Initializer::bufferedFrames() const { return impl_->bufferedFrames(); }
 const std::string& Initializer::reason() const { return impl_->reason(); }
 void Initializer::reset() { impl_->reset(); }
+void Initializer::doubtDepths(bool surely) { impl_->doubtDepths(surely); }
+void Initializer::trustDepths() { impl_->trustDepths(); }
 
 }  // namespace mba_vo

@@ -33,6 +33,7 @@ LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initi
       id_(id),
       store_(store),
       calibration_(calibration),
+      metric_(initial.metric),
       window_(config.window, config.deterministic),
       deblurrer_(makeDeblurrer(config.deblur)),
       next_keyframe_(place.keyframe) {
@@ -41,7 +42,9 @@ LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initi
   addKeyframe(frame, std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid), place.T_map_keyframe,
               reference_velocity, place.brightness);
   for (const ReferencePoint& point : initial.points) {
-    window_.addPoint(newestKeyframe(), point.pixel.cast<double>(), static_cast<double>(point.inverse_depth));
+    const MeasuredDepth depth{static_cast<double>(point.inverse_depth), static_cast<double>(point.variance)};
+    window_.addPoint(newestKeyframe(), point.pixel.cast<double>(), depth.inverse_depth,
+                     metric_ ? depth : MeasuredDepth());
   }
   selectImmaturePoints(keyframes_.at(newestKeyframe()));
   storePoses();
@@ -129,6 +132,7 @@ void LocalMap::refineWindow(KeyframeReport& report) {
   updateSlopes();
   Clock::time_point stage = Clock::now();
   const WindowSummary summary = window_.optimize(config_.window.max_iterations);
+  report.depths = summary.depths;
   storePoses();
   report.optimisation_ms = millisecondsSince(stage);
 
@@ -176,7 +180,7 @@ void LocalMap::activatePoints() {
       if (!grid.isFree(pixel)) return false;
       const Eigen::Vector2d in_host = point.pixel.cast<double>();
       const Eigen::Vector2d slope = slopes.at(in_host, point.inverseDepth(), kUnrefinedVariance);
-      if (window_.activatePoint(host_id, in_host, point.inverseDepth(), slope)) grid.occupy(pixel);
+      if (window_.activatePoint(host_id, in_host, point.inverseDepth(), slope, point.measured)) grid.occupy(pixel);
       return true;
     };
     host.immature.erase(std::remove_if(host.immature.begin(), host.immature.end(), activated), host.immature.end());
@@ -201,6 +205,10 @@ void LocalMap::selectImmaturePoints(HostKeyframe& host) const {
   for (const Eigen::Vector2i& pixel : selectPoints(*host.sharp, config_.new_points_per_keyframe, {})) {
     ImmaturePoint point;
     point.pixel = pixel;
+    if (metric_ && !host.frame->depth.empty()) {
+      point.measured = measureDepth(host.frame->depth, pixel, config_.depth_sensor);
+      if (point.measured.known()) point.inverse_depth_min = point.inverse_depth_max = point.measured.inverse_depth;
+    }
     host.immature.push_back(point);
   }
 }
@@ -226,6 +234,7 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe, const st
   auto reference = std::make_shared<Reference>();
   reference->doubt = doubt;
   reference->id = {id_, keyframe, revision_++};
+  reference->metric = metric_;
   reference->mid_exposure_ns = keyframes_.at(keyframe).frame->mid_exposure_ns;
   reference->exposure = keyframes_.at(keyframe).frame->exposure;
   reference->T_map_reference = window_.T_map_keyframe(keyframe);

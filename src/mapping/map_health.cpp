@@ -50,16 +50,23 @@ void MapHealth::addKeyframe(double error) {
   wrong_in_a_row_ = error > config_.wrong_error ? wrong_in_a_row_ + 1 : 0;
 }
 
+void MapHealth::addDepths(const DepthAgreement& depths) { depths_ = depths; }
+
 void MapHealth::addFrame(double error) {
   frame_errors_.push_back(error);
   if (frame_errors_.size() > kMostFrames) frame_errors_.pop_front();
 }
 
-bool MapHealth::isWrong() const { return wrong_in_a_row_ >= (isYoung() ? 1 : kWrongInARow); }
+bool MapHealth::isWrong() const { return depths_.fails() || wrong_in_a_row_ >= (isYoung() ? 1 : kWrongInARow); }
 
 std::string MapHealth::doubt() const {
-  if (bad_in_a_row_ == 0) return "";
   std::array<char, 128> text{};
+  if (depths_.fails()) {
+    std::snprintf(text.data(), text.size(), "the images contradict the depth images (%d of %d points agree)",
+                  depths_.agreeing, depths_.compared);
+    return text.data();
+  }
+  if (bad_in_a_row_ == 0) return "";
   std::snprintf(text.data(), text.size(), "the map contradicts its own keyframes by %.1f px (limit %.1f px)",
                 lastKeyframeError(), limit());
   return text.data();

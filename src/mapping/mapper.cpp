@@ -11,6 +11,8 @@ namespace {
 
 constexpr int kFramesUntilResend = 15;  // the first reference may still be on its way for a while
 
+MapperOutput saying(const std::string& message) { return {nullptr, std::nullopt, message}; }
+
 }  // namespace
 
 class Mapper::Impl {
@@ -18,7 +20,7 @@ class Mapper::Impl {
   Impl(const MapperConfig& config, DraftCallback on_draft)
       : config_(config),
         on_draft_(std::move(on_draft)),
-        initializer_(config.initializer),
+        initializer_(config.initializer, config.depth_sensor),
         keyframe_policy_(config.keyframe),
         calibration_(config.start_correction),
         health_(config.health),
@@ -56,6 +58,7 @@ class Mapper::Impl {
   void reset() {
     forgetMap();
     calibration_ = CalibrationEstimator(config_.start_correction);
+    initializer_.trustDepths();
   }
 
   void forgetMap() {
@@ -90,16 +93,13 @@ class Mapper::Impl {
     if (newest_initializing_ns_ && frame->mid_exposure_ns <= *newest_initializing_ns_) return output;
     newest_initializing_ns_ = frame->mid_exposure_ns;
     std::unique_ptr<InitialMap> initial = initializer_.add(frame);
-    if (!initial) {
-      output.message = initializer_.reason();
-      return output;
-    }
+    if (!initial) return saying(initializer_.reason());
     const Vector6 velocity = referenceVelocity(*initial);
     calibration_before_map_ = calibration_;
     map_ = std::make_unique<LocalMap>(config_, next_map_id_++, *initial, velocity, LocalMap::Place(), store_,
                                       calibration_);
-    output.message =
-        "map " + std::to_string(map_->id()) + " initialised with " + std::to_string(initial->points.size()) + " points";
+    output.message = "map " + std::to_string(map_->id()) + " initialised with " +
+                     std::to_string(initial->points.size()) + (initial->metric ? " measured points" : " points");
     initial_frames_ = initializer_.bufferedFrames();
     reference_ = begin(std::move(initial), velocity);
     initializer_.reset();
@@ -114,6 +114,7 @@ class Mapper::Impl {
     last->withdrawn = "map " + std::to_string(map_->id()) + " was given up: " + health_.doubt();
     const auto bad = static_cast<KeyframeId>(health_.badInARow());
     const bool young = health_.isYoung();
+    if (map_->isMetric() && (young || health_.contradictsDepths())) initializer_.doubtDepths(health_.contradictsDepths());
     store_.forget(map_->id(), young || bad > map_->newestKeyframe() ? 0 : map_->newestKeyframe() + 1 - bad);
     const std::vector<FrameConstPtr> frames = young ? initial_frames_ : std::vector<FrameConstPtr>();
     const std::int64_t failed_ns = first_keyframe_ns_;
@@ -190,6 +191,7 @@ class Mapper::Impl {
     const std::shared_ptr<Reference> reference = map_->makeReference(map_->newestKeyframe());
     report.error_px = keyframeError(report.rms, *reference);
     health_.addKeyframe(report.error_px);
+    health_.addDepths(report.depths);
     reference->doubt = health_.doubt();
     reference_ = reference;
     recovery_.keep(*reference_, *candidate->frame, *map_);
@@ -251,11 +253,9 @@ class Mapper::Impl {
     return output;
   }
 
-  MapperOutput stale(const TrackedFrame& frame) {
-    MapperOutput output;
-    output.message = "frame " + std::to_string(frame.frame->sequence) + " was tracked in map " +
-                     std::to_string(frame.reference.map_id) + ", which is no more";
-    return output;
+  static MapperOutput stale(const TrackedFrame& frame) {
+    return saying("frame " + std::to_string(frame.frame->sequence) + " was tracked in map " +
+                  std::to_string(frame.reference.map_id) + ", which is no more");
   }
 
   MapperConfig config_;

@@ -52,6 +52,7 @@ double adaptedDistance(double distance_px, int points, int wanted) {
 
 bool isReadyToActivate(const ImmaturePoint& point) {
   using State = ImmaturePoint::State;
+  if (point.measured.known()) return true;
   const bool searched = point.state == State::kGood || point.state == State::kSkipped ||
                         point.state == State::kBadCondition || point.state == State::kOutOfBounds;
   return searched && point.hasDepth() && point.inverseDepth() > 0.0 && point.last_search_length_px < kCertainSearch &&

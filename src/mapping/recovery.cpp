@@ -45,6 +45,7 @@ std::unique_ptr<LocalMap> Recovery::windowAt(const Relocalizer::Found& found, co
   InitialMap initial;
   initial.reference = found.keyframe_frame;
   initial.points = known.points;
+  initial.metric = old.isMetric();
   const LocalMap::Place place{known.T_map_reference, old.newestKeyframe() + 1, known.brightness};
   return std::make_unique<LocalMap>(config_, old.id(), initial, known.velocity, place, store, calibration);
 }

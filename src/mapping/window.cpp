@@ -61,6 +61,7 @@ class Window::Impl {
   void marginalizePoints();
   void marginalize(KeyframeId keyframe);
   const std::vector<PairGeometry>& pairs();
+  bool hasMeasuredDepths() const;
   /// `positions`: of the keyframes' cameras.
   WindowPoint describe(const PointState& point, const std::vector<Eigen::Vector3d>& positions) const;
 
@@ -164,6 +165,11 @@ const std::vector<PairGeometry>& Window::Impl::pairs() {
   return pairs_;
 }
 
+bool Window::Impl::hasMeasuredDepths() const {
+  return std::any_of(state_.points.begin(), state_.points.end(),
+                     [](const PointState& point) { return point.measured.known(); });
+}
+
 WindowPoint Window::Impl::describe(const PointState& point, const std::vector<Eigen::Vector3d>& positions) const {
   WindowPoint out;
   const KeyframeState& host = state_.keyframe(point.host);
@@ -189,7 +195,8 @@ Window::~Window() = default;
 
 void Window::addKeyframe(const WindowKeyframe& keyframe) { impl_->addKeyframe(keyframe); }
 
-PointId Window::addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth) {
+PointId Window::addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,
+                         const MeasuredDepth& measured) {
   if (!(inverse_depth > 0.0) || !std::isfinite(inverse_depth)) {
     throw std::invalid_argument("window: inverse depth is " + std::to_string(inverse_depth) + ", must be positive");
   }
@@ -197,15 +204,17 @@ PointId Window::addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double i
   point.host = impl_->state_.indexOf(host);
   point.pixel = pixel;
   point.inverse_depth = inverse_depth;
+  point.measured = measured;
+  point.information = measuredDepthTerm(measured, inverse_depth).H;
   for (int t = 0; t < impl_->state_.size(); ++t) impl_->addResidual(point, t);
   return impl_->insert(std::move(point));
 }
 
 std::optional<PointId> Window::activatePoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,
-                                             const Eigen::Vector2d& slope) {
+                                             const Eigen::Vector2d& slope, const MeasuredDepth& measured) {
   if (!(inverse_depth > 0.0) || !std::isfinite(inverse_depth)) return std::nullopt;
   std::optional<PointState> point = impl_->activation_.activate(
-      impl_->state_, impl_->pairs(), impl_->state_.indexOf(host), pixel, inverse_depth, slope);
+      impl_->state_, impl_->pairs(), impl_->state_.indexOf(host), pixel, inverse_depth, slope, measured);
   if (!point) return std::nullopt;
   return impl_->insert(std::move(*point));
 }
@@ -216,7 +225,7 @@ void Window::addResidualsTo(KeyframeId target) {
 }
 
 WindowSummary Window::optimize(int max_iterations) {
-  if (!impl_->anchor_chosen_ && impl_->state_.size() > 1) {
+  if (!impl_->anchor_chosen_ && impl_->state_.size() > 1 && !impl_->hasMeasuredDepths()) {
     impl_->anchor_.choose(impl_->state_);
     impl_->anchor_chosen_ = impl_->anchor_.active();
   }

@@ -26,6 +26,9 @@ void WindowMarginalizer::marginalizePoints(WindowState& state, const std::vector
   if (!kept.empty()) {
     LinearizedWindow system;
     linearizer_.linearize(state, kept, system);
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      addMeasuredDepth(state.points[static_cast<std::size_t>(kept[i])], static_cast<Eigen::Index>(i), system);
+    }
     ReducedSystem reduced;
     SchurComplement().reduce(system, 0.0, reduced);
     // The gradient was taken at the current deviations; the prior keeps it at the linearisation points.

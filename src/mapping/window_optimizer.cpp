@@ -123,6 +123,9 @@ bool WindowOptimizer::step(WindowState& state, const ScaleAnchor& anchor, const 
   state.prior.addTo(state.deltas(), system_.H, system_.b);
   anchor.addTo(state, system_.H, system_.b);
   depth_prior.addTo(state, system_);
+  for (std::size_t i = 0; i < state.points.size(); ++i) {
+    addMeasuredDepth(state.points[i], static_cast<Eigen::Index>(i), system_);
+  }
   schur_.reduce(system_, lambda, reduced_);
   Eigen::VectorXd x;
   const bool solved = solver_.solve(reduced_.H, reduced_.b, x);
@@ -159,7 +162,8 @@ void WindowOptimizer::finish(WindowState& state, const DepthPrior& depth_prior, 
   double energy = 0.0;
   for (std::size_t i = 0; i < state.points.size(); ++i) {
     PointState& point = state.points[i];
-    point.information = system_.H_depth(static_cast<Eigen::Index>(i));
+    point.information =
+        system_.H_depth(static_cast<Eigen::Index>(i)) + measuredDepthTerm(point.measured, point.inverse_depth).H;
     for (PatchResidual& residual : point.residuals) {
       const bool good = state.isGood(residual);
       residual.bad_rounds = good ? 0 : residual.bad_rounds + 1;
@@ -174,6 +178,7 @@ void WindowOptimizer::finish(WindowState& state, const DepthPrior& depth_prior, 
                                    }),
                     residuals.end());
   }
+  summary.depths = compareDepths(state);
   summary.rms = std::sqrt(energy / std::max(1, summary.residuals * kResidualPixels));
   state.points.erase(std::remove_if(state.points.begin(), state.points.end(),
                                     [&](const PointState& p) {
@@ -188,7 +193,7 @@ WindowSummary WindowOptimizer::optimize(WindowState& state, const ScaleAnchor& a
   begin(state);
   const DepthPrior depth_prior(state);
   const auto otherCost = [&] {
-    return state.prior.cost(state.deltas()) + anchor.cost(state) + depth_prior.cost(state);
+    return state.prior.cost(state.deltas()) + anchor.cost(state) + depth_prior.cost(state) + measuredDepthCost(state);
   };
   summary.initial_cost = photometricCost(state) + otherCost();
   double lambda = options_.initial_lambda;

@@ -33,6 +33,10 @@ WindowPointActivation::Evaluation WindowPointActivation::evaluate(const WindowSt
     total.H += system.H;
     total.b += system.b;
   }
+  const MeasuredDepthTerm measured = measuredDepthTerm(point.measured, point.inverse_depth);
+  total.cost += measured.cost;
+  total.H += measured.H;
+  total.b += measured.b;
   return total;
 }
 
@@ -48,12 +52,14 @@ bool WindowPointActivation::acceptable(const WindowState& state, const PointStat
 std::optional<PointState> WindowPointActivation::activate(const WindowState& state,
                                                           const std::vector<PairGeometry>& pairs, int host,
                                                           const Eigen::Vector2d& pixel, double inverse_depth,
-                                                          const Eigen::Vector2d& slope) const {
+                                                          const Eigen::Vector2d& slope,
+                                                          const MeasuredDepth& measured) const {
   PointState point;
   point.host = host;
   point.pixel = pixel;
   point.inverse_depth = inverse_depth;
   point.slope = slope;
+  point.measured = measured;
   for (int t = 0; t < state.size(); ++t) {
     if (t == host) continue;
     PatchResidual residual;

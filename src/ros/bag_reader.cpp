@@ -9,6 +9,7 @@
 
 #include "bag_topics.h"
 #include "mba_vo/ros/camera_info.h"
+#include "mba_vo/ros/depth_lookup.h"
 #include "mba_vo/ros/exposure_lookup.h"
 #include "mba_vo/ros/image_conversion.h"
 
@@ -17,7 +18,7 @@ namespace {
 
 class BagReader final : public SequenceReader {
  public:
-  BagReader(const std::string& file, const BagTopics& wanted) : file_(file) {
+  BagReader(const std::string& file, const BagTopics& wanted) : file_(file), depths_(wanted.depth_tolerance) {
     try {
       bag_.open(file, rosbag::bagmode::Read);
       topics_ = findBagTopics(bag_, file, wanted);
@@ -26,6 +27,8 @@ class BagReader final : public SequenceReader {
       images_.addQuery(bag_, rosbag::TopicQuery(topics_.image));
       next_ = images_.begin();
       size_ = images_.size();
+      if (!topics_.depth.empty()) depth_images_.addQuery(bag_, rosbag::TopicQuery(topics_.depth));
+      next_depth_ = depth_images_.begin();
     } catch (const rosbag::BagException& error) {
       throw std::runtime_error("bag '" + file + "' cannot be read: " + error.what());
     }
@@ -39,8 +42,9 @@ class BagReader final : public SequenceReader {
       return std::nullopt;
     }
     try {
-      const SequenceImage image = read(*next_);
+      SequenceImage image = read(*next_);
       ++next_;
+      findDepth(image);
       return image;
     } catch (const rosbag::BagException& error) {
       throw std::runtime_error("bag '" + file_ + "' is broken at image " + std::to_string(sequence_) + ": " +
@@ -94,6 +98,21 @@ class BagReader final : public SequenceReader {
     result.mid_exposure_ns = midExposure(result.stamp_ns, result.exposure, topics_.stamp_reference);
   }
 
+  /// Depth images lie in the bag in about the order of their stamps.
+  void findDepth(SequenceImage& result) {
+    while (!depths_.isSettled(result.stamp_ns) && next_depth_ != depth_images_.end()) {
+      if (const auto depth = next_depth_->instantiate<sensor_msgs::Image>()) depths_.add(depth);
+      ++next_depth_;
+    }
+    const sensor_msgs::ImageConstPtr depth = depths_.find(result.stamp_ns);
+    if (!depth || result.image.empty()) return;
+    try {
+      result.depth = depthFromMessage(depth);
+    } catch (const std::invalid_argument& error) {
+      throw std::runtime_error("bag '" + file_ + "', topic " + topics_.depth + ": " + error.what());
+    }
+  }
+
   template <typename Decoder>
   void decode(const Decoder& decoder, SequenceImage& result) const {
     try {
@@ -113,6 +132,9 @@ class BagReader final : public SequenceReader {
   ExposureLookup exposures_;
   rosbag::View images_;
   rosbag::View::iterator next_;
+  DepthLookup depths_;
+  rosbag::View depth_images_;
+  rosbag::View::iterator next_depth_;
   std::size_t size_ = 0;
   std::uint64_t sequence_ = 0;
 };

@@ -20,9 +20,7 @@ class BagSink final : public SequenceSink {
     if (!frame.sharp.empty()) {
       writer_.writeImage(ground_truth_ + "image_sharp", frame.sharp);
     }
-    if (!frame.depth.empty()) {
-      writer_.writeImage(ground_truth_ + "depth", frame.depth);
-    }
+    if (!frame.depth.empty()) writer_.writeImage(BagImageWriter::kDepthTopic, frame.depth);
   }
 
   void finish() override { writer_.close(); }

@@ -6,12 +6,16 @@
 #include <vector>
 
 #include <rosbag/view.h>
+#include <sensor_msgs/Image.h>
+#include <sensor_msgs/image_encodings.h>
 
 namespace mba_vo {
 
 const char* const kGroundTruthNamespace = "/groundtruth/";
 
 namespace {
+
+constexpr const char* kImageType = "sensor_msgs/Image";
 
 using TopicTypes = std::map<std::string, std::string>;  // topic -> type
 
@@ -74,12 +78,32 @@ std::string siblingCameraInfo(const TopicTypes& topics, const std::string& image
   return "";
 }
 
+/// The topics but those with images of floats, which are depths.
+TopicTypes withoutDepths(const rosbag::Bag& bag, TopicTypes topics) {
+  for (auto it = topics.begin(); it != topics.end();) {
+    bool depth = false;
+    if (it->second == kImageType) {
+      rosbag::View view(bag, rosbag::TopicQuery(it->first));
+      const auto image = view.begin() == view.end() ? nullptr : view.begin()->instantiate<sensor_msgs::Image>();
+      depth = image && image->encoding == sensor_msgs::image_encodings::TYPE_32FC1;
+    }
+    it = depth ? topics.erase(it) : std::next(it);
+  }
+  return topics;
+}
+
 }  // namespace
 
 BagTopics findBagTopics(const rosbag::Bag& bag, const std::string& file, const BagTopics& wanted) {
   const TopicTypes topics = topicsOf(bag);
   BagTopics found = wanted;
-  found.image = choose(topics, file, "image", wanted.image, {"sensor_msgs/Image", "sensor_msgs/CompressedImage"});
+  TopicTypes images = topics;
+  if (!wanted.depth.empty()) {
+    choose(topics, file, "depth", wanted.depth, {kImageType});
+    images.erase(wanted.depth);
+  }
+  if (wanted.image.empty()) images = withoutDepths(bag, images);
+  found.image = choose(images, file, "image", wanted.image, {kImageType, "sensor_msgs/CompressedImage"});
   if (found.image.empty()) {
     throw std::runtime_error("bag '" + file + "' has no topic of type sensor_msgs/Image or CompressedImage");
   }

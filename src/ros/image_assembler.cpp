@@ -7,6 +7,7 @@ namespace {
 
 constexpr std::uint32_t kLargestGap = 10'000;  // beyond: another sender, not a gap
 constexpr std::int64_t kExposureMemoryNs = 10'000'000'000;
+constexpr double kDepthMemory = 1.0;  // [s] without a depth image, after which none is waited for
 
 }  // namespace
 
@@ -33,16 +34,29 @@ void ImageAssembler::addExposure(std::int64_t stamp_ns, double exposure) {
   exposures_.forgetBefore(stamp_ns - kExposureMemoryNs);
 }
 
+void ImageAssembler::addDepth(const sensor_msgs::ImageConstPtr& depth, double now) {
+  depths_.add(depth);
+  last_depth_ = now;
+}
+
 bool ImageAssembler::ready(const Waiting& waiting, double now) const {
   const double waited = now - waiting.arrival;
-  if (!calibrated_ && waited < options_.calibration_wait) {
+  const bool lacks_calibration = !calibrated_ && waited < options_.calibration_wait;
+  return !lacks_calibration && !lacksExposure(waiting, waited) && !lacksDepth(waiting, waited, now);
+}
+
+bool ImageAssembler::lacksExposure(const Waiting& waiting, double waited) const {
+  if (options_.fixed_exposure || !exposures_expected_ || waited >= options_.exposure_wait) {
     return false;
   }
-  if (options_.fixed_exposure || !exposures_expected_ || waited >= options_.exposure_wait) {
-    return true;
-  }
   const std::int64_t stamp = toNanoseconds(waiting.input.message->header.stamp);
-  return exposures_.find(stamp).has_value() || exposures_.hasLater(stamp);
+  return !exposures_.find(stamp).has_value() && !exposures_.hasLater(stamp);
+}
+
+bool ImageAssembler::lacksDepth(const Waiting& waiting, double waited, double now) const {
+  const bool expected = last_depth_ && now - *last_depth_ < kDepthMemory;
+  return expected && waited < options_.depth_wait &&
+         !depths_.isSettled(toNanoseconds(waiting.input.message->header.stamp));
 }
 
 std::vector<InputImage> ImageAssembler::takeReady(double now) {
@@ -56,6 +70,7 @@ std::vector<InputImage> ImageAssembler::takeReady(double now) {
       input.exposure_from_topic = found.has_value();
       input.exposure = found ? exposureFromMessage(*found) : std::nullopt;
     }
+    input.depth = depths_.find(toNanoseconds(input.message->header.stamp));
     ready_images.push_back(input);
   }
   return ready_images;

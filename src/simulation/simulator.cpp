@@ -48,6 +48,10 @@ SimulatedFrame Simulator::render(int index) const {
   return frame;
 }
 
+cv::Mat1f Simulator::renderDepth(int index) const {
+  return renderer_.depth([this](double t) { return pose(t); }, time(index));
+}
+
 SimulatedFrame Simulator::renderExposure(const PoseFunction& pose, double t_mid, double exposure,
                                          std::uint64_t id) const {
   SimulatedFrame frame = describeExposure(pose, t_mid, exposure, id);

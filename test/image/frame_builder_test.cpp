@@ -71,6 +71,22 @@ TEST(FrameBuilder, FramesDoNotShareTheInputsMemory) {
   EXPECT_EQ(frame->pyramid.level(0).intensity(5, 5), before);
 }
 
+TEST(FrameBuilder, DepthIsRectifiedWithTheImage) {
+  CameraCalibration distorted = undistorted();
+  distorted.distortion = {-0.3, 0.1, 0.0, 0.0, 0.0};
+  cv::Mat1f depth(96, 128, 2.0F);
+  depth(cv::Rect(0, 0, 64, 96)).setTo(1.0F);
+  const FrameBuilder builder(distorted, {}, {});
+  EXPECT_TRUE(builder.build(noiseImage(), 0, 0, 0, 0.0)->depth.empty());
+  const FrameConstPtr frame = builder.build(noiseImage(), 0, 0, 0, 0.0, depth);
+  ASSERT_EQ(frame->depth.size(), cv::Size(128, 96));
+  // The edge is at x = 63.5 and the distortion leaves the centre, 63, where it is. Nothing lies between the two sides.
+  for (int x = 0; x < 128; ++x) EXPECT_EQ(frame->depth(47, x), x <= 63 ? 1.0F : 2.0F) << x;
+  EXPECT_EQ(FrameBuilder(undistorted(), {}, {}).build(noiseImage(), 0, 0, 0, 0.0, depth)->depth(3, 64), 2.0F);
+  const std::string message = messageOf([&] { builder.build(noiseImage(), 0, 0, 0, 0.0, cv::Mat1f(48, 64, 1.0F)); });
+  EXPECT_NE(message.find("depth image is 64x48"), std::string::npos) << message;
+}
+
 TEST(FrameBuilder, ImageOfAnotherSizeNamesBothSizes) {
   const FrameBuilder builder(undistorted(), {}, {});
   const std::string message = messageOf([&] { builder.build(cv::Mat1b(48, 64), 0, 0, 0, 0.0); });

@@ -143,6 +143,30 @@ TEST(Rectifier, UndistortedIsIdentity) {
   }
 }
 
+TEST(Rectifier, DepthsAreThoseOfTheNearestPixel) {
+  const CameraCalibration calibration = calibrationOf("plumb_bob", {-0.28, 0.07, 0.0, 0.0});
+  const Rectifier rectifier(calibration);
+  cv::Mat1f source(480, 752);
+  for (int y = 0; y < source.rows; ++y) {
+    for (int x = 0; x < source.cols; ++x) source(y, x) = static_cast<float>(1000 * y + x);  // tells where it was read
+  }
+  source(200, 300) = std::nanf("");
+  const cv::Mat1f depth = rectifier.rectifyDepth(source);
+  int unknown = 0;
+  for (int v = 0; v < 480; v += 1) {
+    for (int u = 0; u < 752; u += 1) {
+      const cv::Point2d at = projectDistorted(calibration, rectifier.camera().unproject(Eigen::Vector2d(u, v)));
+      const double margin = std::min(std::abs(at.x - std::floor(at.x) - 0.5), std::abs(at.y - std::floor(at.y) - 0.5));
+      if (margin < 0.01 || at.x < 0.01 || at.y < 0.01 || at.x > 750.99 || at.y > 478.99) continue;
+      const float expected = source(static_cast<int>(std::lround(at.y)), static_cast<int>(std::lround(at.x)));
+      unknown += std::isnan(expected) ? 1 : 0;
+      ASSERT_TRUE(depth(v, u) == expected || (std::isnan(depth(v, u)) && std::isnan(expected))) << u << ", " << v;
+    }
+  }
+  EXPECT_GE(unknown, 1);
+  EXPECT_TRUE(std::isnan(depth(0, 0)) || rectifier.rectify(source)(0, 0) >= 0.0F);  // outside is unknown
+}
+
 TEST(Rectifier, InvalidSourcePixelsSpreadOverTheirFootprint) {
   const CameraCalibration calibration = calibrationOf("plumb_bob", {-0.28, 0.07, 0.0, 0.0});
   const Rectifier rectifier(calibration);

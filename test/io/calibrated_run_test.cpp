@@ -32,7 +32,7 @@ class RenderedReader : public SequenceReader {
   std::optional<SequenceImage> next() override {
     if (next_ == size()) return std::nullopt;
     const SimulatedFrame& f = sequence().frames[next_++];
-    return SequenceImage{f.id, f.mid_exposure_ns, f.mid_exposure_ns, exposure_, f.blurred, ""};
+    return SequenceImage{f.id, f.mid_exposure_ns, f.mid_exposure_ns, exposure_, f.blurred, "", {}};
   }
 
  private:

@@ -23,7 +23,7 @@ class Recording : public SequenceReader {
     if (next_ == kImages) return std::nullopt;
     const std::int64_t stamp = 5000000000 + static_cast<std::int64_t>(next_) * kIntervalNs;
     const cv::Mat image(24, 32, CV_8UC1, cv::Scalar(static_cast<double>(next_ / 2)));
-    return SequenceImage{next_++, stamp, stamp, 0.02, image, ""};
+    return SequenceImage{next_++, stamp, stamp, 0.02, image, "", {}};
   }
 
  private:

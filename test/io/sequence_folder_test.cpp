@@ -76,6 +76,49 @@ TEST_F(SequenceFolderTest, ExposuresAreThoseOfTheFolderImages) {
   EXPECT_FALSE(reader->next()->exposure.has_value());
 }
 
+TEST_F(SequenceFolderTest, ReadsDepthImagesOfTheSameIds) {
+  cv::Mat1w depth(24, 32, static_cast<std::uint16_t>(10000));
+  depth(3, 4) = 0;
+  std::filesystem::create_directory(folder_.file("depth"));
+  cv::imwrite(folder_.file("depth/000003.png"), depth);
+  cv::imwrite(folder_.file("depth/000007.png"), depth);  // of no image
+  for (const double units : {5000.0, 1000.0}) {
+    const auto reader = openSequenceFolder(folder_.file(""), "images", {"depth", units});
+    EXPECT_TRUE(reader->next()->depth.empty());
+    EXPECT_TRUE(reader->next()->depth.empty());
+    const cv::Mat1f metres = reader->next()->depth;
+    ASSERT_EQ(metres.size(), depth.size());
+    EXPECT_FLOAT_EQ(metres(4, 3), static_cast<float>(10000.0 / units));
+    EXPECT_TRUE(std::isnan(metres(3, 4)));
+  }
+}
+
+TEST_F(SequenceFolderTest, WrongDepthImagesAreNamed) {
+  const auto error = [&] {
+    return messageOf([&] {
+      const auto reader = openSequenceFolder(folder_.file(""), "images", {"depth", 5000.0});
+      while (reader->next()) {
+      }
+    });
+  };
+  EXPECT_THAT(error(), HasSubstr("depth: no such folder"));
+  std::filesystem::create_directory(folder_.file("depth"));
+  EXPECT_THAT(error(), testing::AllOf(HasSubstr("depth: no depth image"), HasSubstr("000000.png")));
+  cv::imwrite(folder_.file("depth/000001.png"), cv::Mat(24, 32, CV_8UC1, cv::Scalar(10)));
+  EXPECT_THAT(error(), testing::AllOf(HasSubstr("depth/000001.png"), HasSubstr("8UC1"), HasSubstr("16UC1")));
+  cv::imwrite(folder_.file("depth/000001.png"), cv::Mat(12, 32, CV_16UC1, cv::Scalar(10)));
+  EXPECT_THAT(error(), testing::AllOf(HasSubstr("depth/000001.png"), HasSubstr("32x12"), HasSubstr("32x24")));
+}
+
+TEST_F(SequenceFolderTest, AnUnreadableDepthImageIsTold) {
+  folder_.write("depth/000000.png", "nonsense");
+  const auto reader = openSequenceFolder(folder_.file(""), "images", {"depth", 5000.0});
+  const auto image = reader->next();
+  EXPECT_FALSE(image->image.empty());
+  EXPECT_TRUE(image->depth.empty());
+  EXPECT_THAT(image->problem, HasSubstr("depth/000000.png: not a readable depth image"));
+}
+
 TEST_F(SequenceFolderTest, MissingPartsAreNamed) {
   EXPECT_THAT(messageOf([] { openSequenceFolder("/nonexistent", "images"); }),
               HasSubstr("/nonexistent: no such folder"));

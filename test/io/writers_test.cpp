@@ -86,10 +86,11 @@ TEST(RunWriter, KeyframesCsvHasARowPerKeyframe) {
   KeyframeReport report;
   report.keyframe_id = 3;
   report.total_ms = 12.5;
+  report.depths = {40, 30};
   std::ostringstream text;
   writeKeyframes({report, report}, text);
   EXPECT_THAT(text.str(), HasSubstr("keyframe,sequence,time,"));
-  EXPECT_THAT(text.str(), testing::ContainsRegex("\n3,0,0.000000000,.*,12.500\n3,"));
+  EXPECT_THAT(text.str(), testing::ContainsRegex("\n3,0,0.000000000,.*,12.500,40,30\n3,"));
 }
 
 TEST(RunWriter, WritesAllFilesAndAReadableSummary) {

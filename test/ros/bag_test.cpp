@@ -101,7 +101,10 @@ TEST_F(BagTest, GroundTruthIsRecordedButNeverTakenForInput) {
   frame.depth = cv::Mat1f(20, 32, 2.0F);
   sink->write(frame);
   sink->finish();
-  EXPECT_EQ(openBag(file_, {})->size(), 1U);
+  EXPECT_EQ(openBag(file_, {})->size(), 1U);  // images of floats are depths
+  BagTopics with_depth;
+  with_depth.depth = BagImageWriter::kDepthTopic;
+  EXPECT_EQ(openBag(file_, with_depth)->next()->depth(7, 8), 2.0F);
 
   rosbag::Bag bag(file_);
   rosbag::View view(bag, rosbag::TopicQuery("/groundtruth/pose"));
@@ -109,6 +112,34 @@ TEST_F(BagTest, GroundTruthIsRecordedButNeverTakenForInput) {
   const auto pose = view.begin()->instantiate<geometry_msgs::PoseStamped>();
   EXPECT_EQ(pose->header.stamp.toNSec(), static_cast<std::uint64_t>(frame.mid_exposure_ns));
   EXPECT_DOUBLE_EQ(pose->pose.position.x, 1.0);
+}
+
+TEST_F(BagTest, DepthImagesComeWithTheImageThatIsNearestInTime) {
+  BagImageWriter writer(file_, testCalibration(), StampReference::kStart);
+  for (int i = 0; i < 4; ++i) {
+    writer.write(kStart + i * kInterval, 0.02, testImage(i));
+    if (i == 1) writer.writeImage(BagImageWriter::kDepthTopic, cv::Mat1f(20, 32, 2.5F));
+    if (i == 3) writer.writeImage("/camera/depth_mm", cv::Mat1w(20, 32, static_cast<std::uint16_t>(1500)));
+  }
+  writer.close();
+  BagTopics topics;
+  EXPECT_NE(errorOf(topics), "");  // 16-bit images might be of light: there is a choice
+  topics.image = "/camera/image_raw";
+  EXPECT_TRUE(openBag(file_, topics)->next()->depth.empty());
+  const auto depthsOf = [&] {
+    const auto reader = openBag(file_, topics);
+    std::vector<float> depths;
+    while (const auto image = reader->next()) depths.push_back(image->depth.empty() ? 0.0F : image->depth(3, 4));
+    return depths;
+  };
+  topics.depth = BagImageWriter::kDepthTopic;
+  EXPECT_EQ(depthsOf(), (std::vector<float>{0.0F, 2.5F, 0.0F, 0.0F}));
+  topics.depth_tolerance = 0.05;
+  EXPECT_EQ(depthsOf(), (std::vector<float>{2.5F, 2.5F, 2.5F, 0.0F}));
+  topics.depth = "/camera/depth_mm";
+  EXPECT_EQ(depthsOf(), (std::vector<float>{0.0F, 0.0F, 1.5F, 1.5F}));
+  topics.depth = "/camera/exposure";
+  EXPECT_NE(errorOf(topics).find("/camera/exposure"), std::string::npos);
 }
 
 TEST_F(BagTest, StampReferenceIsHonouredOnBothSides) {

@@ -93,6 +93,86 @@ TEST(ImageAssembler, ParameterOverridesTheTopic) {
   EXPECT_FALSE(ready.at(0).exposure_from_topic);
 }
 
+sensor_msgs::ImageConstPtr depthOf(int index, std::int64_t offset_ns = 0) {
+  auto message = boost::make_shared<sensor_msgs::Image>();
+  message->header.stamp = toRosTime(stampOf(index) + offset_ns);
+  return message;
+}
+
+TEST(ImageAssembler, WithoutDepthImagesNothingWaitsForThem) {
+  ImageAssembler assembler = calibratedAssembler();
+  assembler.addImage(image(0, 0), 5.0);
+  const auto ready = assembler.takeReady(5.0);
+  ASSERT_EQ(ready.size(), 1U);
+  EXPECT_FALSE(ready[0].depth);
+}
+
+TEST(ImageAssembler, ImageWaitsForItsDepthWhereTheyCome) {
+  ImageAssembler assembler = calibratedAssembler();
+  assembler.addDepth(depthOf(0), 5.0);
+  assembler.addImage(image(0, 0), 5.0);
+  EXPECT_EQ(assembler.takeReady(5.0).at(0).depth->header.stamp, toRosTime(stampOf(0)));
+  assembler.addImage(image(1, 1), 5.04);
+  EXPECT_TRUE(assembler.takeReady(5.05).empty());
+  assembler.addDepth(depthOf(1, 3'000'000), 5.06);
+  const auto ready = assembler.takeReady(5.06);
+  ASSERT_EQ(ready.size(), 1U);
+  EXPECT_EQ(ready[0].depth->header.stamp, toRosTime(stampOf(1) + 3'000'000));
+}
+
+TEST(ImageAssembler, TheWaitForDepthIsBoundedAndEndsWithTheDepths) {
+  ImageAssembler assembler = calibratedAssembler();
+  assembler.addDepth(depthOf(0), 5.0);
+  assembler.addImage(image(1, 0), 5.04);
+  EXPECT_TRUE(assembler.takeReady(5.08).empty());
+  const auto ready = assembler.takeReady(5.1);
+  ASSERT_EQ(ready.size(), 1U);
+  EXPECT_FALSE(ready[0].depth);  // 40 ms away
+  assembler.addImage(image(30, 1), 6.2);
+  EXPECT_EQ(assembler.takeReady(6.2).size(), 1U);
+}
+
+TEST(ImageAssembler, TheNearestDepthWithinTheToleranceCounts) {
+  ImageAssembler assembler = calibratedAssembler();
+  for (const std::int64_t offset : {-15'000'000, -5'000'000, 9'000'000}) assembler.addDepth(depthOf(3, offset), 5.0);
+  assembler.addImage(image(3, 0), 5.0);
+  EXPECT_EQ(assembler.takeReady(5.0).at(0).depth->header.stamp, toRosTime(stampOf(3) - 5'000'000));
+  for (int i = 0; i < 100; ++i) assembler.addDepth(depthOf(i), 5.0);  // a bag begins anew, its clock goes back
+  assembler.addImage(image(99, 1), 5.0);
+  EXPECT_TRUE(assembler.takeReady(5.0).at(0).depth);
+}
+
+TEST(DepthLookup, IsBoundedAndForgetsAnotherClock) {
+  DepthLookup lookup(0.01);
+  for (int i = 0; i < 100; ++i) lookup.add(depthOf(i));
+  EXPECT_EQ(lookup.size(), DepthLookup::kMaxEntries);
+  EXPECT_TRUE(lookup.find(stampOf(99)));
+  EXPECT_FALSE(lookup.find(stampOf(10)));
+  lookup.add(depthOf(2));
+  EXPECT_TRUE(lookup.find(stampOf(2)));
+  EXPECT_EQ(lookup.size(), 1U);
+}
+
+TEST(DepthLookup, ReadsMetresAndMillimetres) {
+  auto message = boost::make_shared<sensor_msgs::Image>();
+  message->width = 2;
+  message->height = 1;
+  message->encoding = "16UC1";
+  message->step = 4;
+  message->data = {0xDC, 0x05, 0, 0};  // 1500, 0
+  cv::Mat1f depth = depthFromMessage(message);
+  EXPECT_FLOAT_EQ(depth(0, 0), 1.5F);
+  EXPECT_TRUE(std::isnan(depth(0, 1)));
+  message->encoding = "32FC1";
+  message->step = 8;
+  message->data = {0, 0, 0x20, 0x40, 0, 0, 0xC0, 0x7F};  // 2.5, NaN
+  depth = depthFromMessage(message);
+  EXPECT_EQ(depth(0, 0), 2.5F);
+  EXPECT_TRUE(std::isnan(depth(0, 1)));
+  message->encoding = "rgb8";
+  EXPECT_THROW(depthFromMessage(message), std::invalid_argument);
+}
+
 TEST(ImageAssembler, FirstImagesWaitForTheCalibrationAndKeepTheirOrder) {
   ImageAssembler assembler({});
   assembler.addImage(image(0, 7), 5.0);

@@ -17,18 +17,24 @@ int main(int argc, char** argv) {
   app.add_option("--images", images, "subfolder of the images")->capture_default_str();
   app.add_option("--stamp-reference", stamp_reference, "what the stamps shall refer to: start, middle, end")
       ->capture_default_str();
+  mba_vo::DepthFolder depth;
+  app.add_option("--depth", depth.subfolder, "subfolder of depth images, if they are to be in the bag");
+  app.add_option("--depth-units", depth.units_per_metre, "their units per metre")
+      ->check(CLI::Range(1.0, 1e6))
+      ->capture_default_str();
   double time_offset = 0.0;
   app.add_option("--time-offset", time_offset, "added to all times [s]; a bag cannot hold the time 0")
       ->check(CLI::Range(-1e9, 1e9))
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
-    const auto reader = mba_vo::openSequenceFolder(sequence, images);
+    const auto reader = mba_vo::openSequenceFolder(sequence, images, depth);
     mba_vo::BagImageWriter writer(output, reader->calibration(), mba_vo::parseStampReference(stamp_reference));
     const std::int64_t offset_ns = std::llround(1e9 * time_offset);
     std::size_t count = 0;
     while (const auto image = reader->next()) {
       writer.write(image->mid_exposure_ns + offset_ns, image->exposure, image->image);
+      if (!image->depth.empty()) writer.writeImage(mba_vo::BagImageWriter::kDepthTopic, image->depth);
       ++count;
     }
     writer.close();

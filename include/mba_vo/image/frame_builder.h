@@ -46,8 +46,9 @@ class FrameBuilder {
   const PinholeCamera& camera() const;
 
   /// `image`: 8- or 16-bit, 1, 3 (BGR) or 4 channels, of the calibration's size, else std::invalid_argument.
+  /// `depth`: of the same pixels [m], NaN = unknown, of the same size; empty = none. It must not be written any more.
   FrameConstPtr build(const cv::Mat& image, std::uint64_t sequence, std::int64_t stamp_ns, std::int64_t mid_exposure_ns,
-                      std::optional<double> exposure) const;
+                      std::optional<double> exposure, const cv::Mat1f& depth = cv::Mat1f()) const;
 
  private:
   class Impl;

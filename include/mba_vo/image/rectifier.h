@@ -28,6 +28,9 @@ class Rectifier {
 
   /// Rectified image; NaN where the bilinear footprint touches the outside of the image or a NaN.
   cv::Mat1f rectify(const cv::Mat1f& image) const;
+  /// Rectified depths, each that of the nearest pixel: between the two sides of an edge there is nothing. Depths along
+  /// the optical axis, which stays where it is, stay as they are.
+  cv::Mat1f rectifyDepth(const cv::Mat1f& depth) const;
 
  private:
   struct Sample {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct FrameRecord {
   double mapping_ms = 0.0;
   std::string message;  // of the mapper
 
+  bool metric = false;  // that map's unit of length is the metre
   bool hasPose() const { return map.has_value(); }
 };
 
@@ -49,6 +51,7 @@ class RunLog {
 
   std::vector<FrameRecord> frames_;
   std::vector<KeyframeReport> keyframes_;
+  std::set<MapId> metric_maps_;
 };
 
 /// Counts over all records, after settle().
@@ -59,6 +62,7 @@ struct FrameCounts {
   std::size_t dropped_after_initialization = 0;  // after the first frame with a pose
   std::size_t rejected = 0;
   std::size_t maps = 0;
+  std::size_t metric_maps = 0;  // of these, in metres
 };
 
 FrameCounts countFrames(const std::vector<FrameRecord>& frames);

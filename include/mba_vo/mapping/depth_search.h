@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "mba_vo/mapping/epipolar_line.h"
+#include "mba_vo/mapping/measured_depth.h"
 #include "mba_vo/mapping/search_patch.h"
 #include "mba_vo/tracking/tracked_frame.h"
 
@@ -46,6 +47,8 @@ struct ImmaturePoint {
   double last_search_length_px = 0.0;  // of the interval along the last frame's epipolar line, narrowed if kGood
   int failures = 0;                    // searches without match since the last good one
   State state = State::kUninitialized;
+
+  MeasuredDepth measured;  // by a depth image: such a point need not be searched
 
   bool hasDepth() const { return inverse_depth_max > 0.0; }
   double inverseDepth() const { return 0.5 * (inverse_depth_min + inverse_depth_max); }

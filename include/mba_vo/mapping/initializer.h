@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "mba_vo/mapping/measured_depth.h"
 #include "mba_vo/tracking/tracked_frame.h"
 
 namespace mba_vo {
@@ -14,6 +15,7 @@ struct InitializerConfig {
   double target_parallax = 0.06;
   double max_wait_seconds = 0.5;
   int max_points = 500;
+  double depth_wait = 0.3;
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
@@ -22,10 +24,12 @@ struct InitializerConfig {
     v("target_parallax", c.target_parallax, 0.001, 0.5, "translation over median depth worth waiting for");
     v("max_wait_seconds", c.max_wait_seconds, 0.0, 10.0, "longest wait for it once there is a map [s]");
     v("max_points", c.max_points, 100, 5000, "corners of the reference that are tracked");
+    v("depth_wait", c.depth_wait, 0.0, 10.0,
+      "where frames come with depth images: longest wait for a less blurred one, if the first are very blurred [s]");
   }
 };
 
-/// First structure and motion of a map. Scale: median depth of the points = 1.
+/// First structure and motion of a map. Scale: median depth of the points = 1, unless depths were measured.
 struct InitialMap {
   struct Pose {
     FrameConstPtr frame;
@@ -34,12 +38,13 @@ struct InitialMap {
   FrameConstPtr reference;             // the sharpest frame of the buffer
   std::vector<ReferencePoint> points;  // in the reference, all with positive inverse depth
   std::vector<Pose> poses;             // of some or all buffered frames, the reference excluded, by time
+  bool metric = false;                 // the points' depths were measured [m]
 };
 
-/// Collects frames until motion and structure can be told.
+/// Collects frames until motion and structure can be told. Where they come with depth images, that is soon.
 class Initializer {
  public:
-  explicit Initializer(const InitializerConfig& config);
+  explicit Initializer(const InitializerConfig& config, const DepthSensorConfig& sensor = {});
   ~Initializer();
 
   /// Adds a frame (increasing time; a frame that is not later than the last, or much later, or of another camera,
@@ -52,6 +57,10 @@ class Initializer {
   /// Why there is no map yet, e.g. "only rotation so far".
   const std::string& reason() const;
   void reset();
+  /// A map made with depth images was wrong, surely because of them, or perhaps. Before long they are not used any more,
+  /// also after reset().
+  void doubtDepths(bool surely);
+  void trustDepths();
 
  private:
   class Impl;

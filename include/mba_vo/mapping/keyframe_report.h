@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "mba_vo/mapping/measured_depth.h"
 #include "mba_vo/tracking/reference.h"
 
 namespace mba_vo {
@@ -16,6 +17,7 @@ struct KeyframeReport {
   int residuals = 0;             // in the last optimisation
   double rms = 0.0;              // of the window's residuals [grey levels]
   double error_px = 0.0;         // shift of the image that would make such residuals [px]
+  DepthAgreement depths;         // of measured depths and images
   double depth_search_ms = 0.0;  // spent on frames since the last keyframe
   double activation_ms = 0.0;
   double deblur_ms = 0.0;

@@ -38,6 +38,8 @@ class LocalMap {
            const Place& place, TrajectoryStore& store, CalibrationEstimator& calibration);
 
   MapId id() const { return id_; }
+  /// The unit of length is the metre.
+  bool isMetric() const { return metric_; }
   bool has(KeyframeId keyframe) const { return keyframes_.count(keyframe) > 0; }
   KeyframeId oldestKeyframe() const { return keyframes_.begin()->first; }
   KeyframeId newestKeyframe() const { return keyframes_.rbegin()->first; }
@@ -84,6 +86,7 @@ class LocalMap {
   MapId id_;
   TrajectoryStore& store_;
   CalibrationEstimator& calibration_;
+  bool metric_;
   Window window_;
   std::unique_ptr<Deblurrer> deblurrer_;
   std::map<KeyframeId, HostKeyframe> keyframes_;

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "mba_vo/mapping/measured_depth.h"
+
 namespace mba_vo {
 
 struct Reference;
@@ -33,6 +35,8 @@ class MapHealth {
 
   /// A keyframe's error after optimisation [px].
   void addKeyframe(double error);
+  /// How measured depths and images agreed then: where they do not, the map is wrong.
+  void addDepths(const DepthAgreement& depths);
   /// A tracked frame's error [px].
   void addFrame(double error);
   void reset();
@@ -44,6 +48,7 @@ class MapHealth {
   /// Keyframes that were bad in a row, the newest among them.
   int badInARow() const { return bad_in_a_row_; }
   bool isYoung() const;
+  bool contradictsDepths() const { return depths_.fails(); }
   /// What frames of this map usually have [px], 0 before the first.
   double usualFrameError() const;
   double lastKeyframeError() const { return errors_.empty() ? 0.0 : errors_.back(); }
@@ -54,6 +59,7 @@ class MapHealth {
   MapHealthConfig config_;
   std::vector<double> errors_;  // of keyframes
   std::deque<double> frame_errors_;
+  DepthAgreement depths_;
   int bad_in_a_row_ = 0;
   int wrong_in_a_row_ = 0;
 };

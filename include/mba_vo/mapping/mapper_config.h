@@ -15,6 +15,7 @@ namespace mba_vo {
 /// Options of the mapper. `describe` names every option once, for YAML, ROS parameters and documentation.
 struct MapperConfig {
   InitializerConfig initializer;
+  DepthSensorConfig depth_sensor;
   DepthSearchConfig depth_search;
   WindowConfig window;
   DeblurConfig deblur;
@@ -34,6 +35,7 @@ struct MapperConfig {
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
     v.section("initializer", c.initializer);
+    v.section("depth_sensor", c.depth_sensor);
     v.section("depth_search", c.depth_search);
     v.section("window", c.window);
     v.section("deblur", c.deblur);

@@ -9,6 +9,7 @@
 #include "mba_vo/geometry/calibration_correction.h"
 #include "mba_vo/geometry/exposure_trajectory.h"
 #include "mba_vo/image/image_pyramid.h"
+#include "mba_vo/mapping/measured_depth.h"
 #include "mba_vo/tracking/reference.h"
 
 namespace mba_vo {
@@ -80,6 +81,7 @@ struct WindowSummary {
   int iterations = 0;
   int residuals = 0;  // inlier (point, target) pairs
   double rms = 0.0;   // per pixel [grey levels]
+  DepthAgreement depths;
 };
 
 /// Windowed photometric bundle adjustment (DSO, Sec. 2-3): keyframe poses, affine brightness and inverse depths, with
@@ -92,11 +94,14 @@ class Window {
 
   void addKeyframe(const WindowKeyframe& keyframe);
   /// Adds a point with residuals to every other keyframe of the window in which it is visible.
-  PointId addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth);
+  /// Measured depths give the window their scale; without any it keeps that of its first keyframes.
+  PointId addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,
+                   const MeasuredDepth& measured = {});
   /// Refines the inverse depth of a new point against all keyframes, poses fixed, and adds the point if enough of them
   /// agree and its depth is well determined.
   std::optional<PointId> activatePoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,
-                                       const Eigen::Vector2d& slope = Eigen::Vector2d::Zero());
+                                       const Eigen::Vector2d& slope = Eigen::Vector2d::Zero(),
+                                       const MeasuredDepth& measured = {});
   /// Sets the slopes of the surface at all points, see PointState.
   void setSlopes(const std::function<Eigen::Vector2d(const WindowPoint&)>& slopeOf);
   /// Adds the residuals of all existing points into a keyframe just added.

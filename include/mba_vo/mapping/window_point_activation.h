@@ -24,7 +24,8 @@ class WindowPointActivation {
   /// `pairs`: of all keyframes at the current state.
   std::optional<PointState> activate(const WindowState& state, const std::vector<PairGeometry>& pairs, int host,
                                      const Eigen::Vector2d& pixel, double inverse_depth,
-                                     const Eigen::Vector2d& slope = Eigen::Vector2d::Zero()) const;
+                                     const Eigen::Vector2d& slope = Eigen::Vector2d::Zero(),
+                                     const MeasuredDepth& measured = {}) const;
 
  private:
   struct Evaluation {

@@ -64,6 +64,7 @@ struct PointState {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   double inverse_depth = 0.0;
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();  // d inverse depth / d host pixel of the surface [1/(m px)]
+  MeasuredDepth measured;                           // by a depth image, if at all
   double information = 0.0;  // of the inverse depth: its entry of the Hessian at the current state
   std::vector<PatchResidual> residuals;
 };

@@ -18,6 +18,8 @@ namespace mba_vo {
 /// /camera/exposure (NaN = unknown) with equal stamps, recorded when the exposure has ended.
 class BagImageWriter {
  public:
+  static constexpr const char* kDepthTopic = "/camera/depth";  // 32FC1 [m], of the image with the same stamp
+
   /// Throws std::runtime_error naming the file if it cannot be written.
   BagImageWriter(const std::string& file, const CameraCalibration& calibration, StampReference stamp_reference);
 

@@ -10,9 +10,11 @@ namespace mba_vo {
 
 /// Which topics of a bag to read. An empty name is found by type, if there is no choice.
 struct BagTopics {
-  std::string image;        // sensor_msgs/Image or sensor_msgs/CompressedImage
-  std::string camera_info;  // sensor_msgs/CameraInfo; preferred: beside the image topic
-  std::string exposure;     // mba_vo/ExposureStamped; without one the exposure is unknown
+  std::string image;              // sensor_msgs/Image or sensor_msgs/CompressedImage
+  std::string camera_info;        // sensor_msgs/CameraInfo; preferred: beside the image topic
+  std::string exposure;           // mba_vo/ExposureStamped; without one the exposure is unknown
+  std::string depth;              // sensor_msgs/Image as in REP-118; none if not named
+  double depth_tolerance = 0.02;  // between the stamps of an image and its depth image [s]
   StampReference stamp_reference = StampReference::kMiddle;
   bool rectified = false;  // the images are rectified already: use P, no distortion
 };

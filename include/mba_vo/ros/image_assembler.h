@@ -7,6 +7,7 @@
 
 #include <sensor_msgs/Image.h>
 
+#include "mba_vo/ros/depth_lookup.h"
 #include "mba_vo/ros/exposure_lookup.h"
 
 namespace mba_vo {
@@ -17,25 +18,30 @@ struct InputImage {
   std::uint64_t sequence = 0;      // counts the images sent, those that never arrived included
   std::optional<double> exposure;  // [s]; nullopt = unknown; not checked yet
   bool exposure_from_topic = false;
+  sensor_msgs::ImageConstPtr depth;  // null = none
 };
 
 struct ImageAssemblerOptions {
   std::optional<double> fixed_exposure;  // [s]; overrides the topic
   double exposure_wait = 0.1;            // [s]
   double calibration_wait = 1.0;         // [s]
+  double depth_wait = 0.05;              // [s]
+  double depth_tolerance = 0.02;         // [s]
   std::uint64_t first_sequence = 0;
 };
 
-/// Numbers the images, and joins them with their exposures by stamp. An image waits for its exposure no longer than the
-/// bound, and not at all once that of a later image has come; order is kept. Times `now` [s] come from a steady clock.
+/// Numbers the images, and joins them with their exposures and depth images by stamp. An image waits for these no
+/// longer than the bounds, and not at all once that of a later image has come, or where none come; order is kept. Times
+/// `now` [s] come from a steady clock.
 class ImageAssembler {
  public:
   explicit ImageAssembler(const ImageAssemblerOptions& options)
-      : options_(options), next_sequence_(options.first_sequence) {}
+      : options_(options), depths_(options.depth_tolerance), next_sequence_(options.first_sequence) {}
 
   /// Returns how many images never arrived before this one, by the sequence numbers of the sender.
   std::uint64_t addImage(const sensor_msgs::ImageConstPtr& image, double now);
   void addExposure(std::int64_t stamp_ns, double exposure);
+  void addDepth(const sensor_msgs::ImageConstPtr& depth, double now);
   /// Whether anybody sends exposures; without a sender images do not wait for them.
   void expectExposures(bool expected) { exposures_expected_ = expected; }
   /// Until the calibration is known, images wait for it.
@@ -50,9 +56,13 @@ class ImageAssembler {
     double arrival;  // [s]
   };
   bool ready(const Waiting& waiting, double now) const;
+  bool lacksExposure(const Waiting& waiting, double waited) const;
+  bool lacksDepth(const Waiting& waiting, double waited, double now) const;
 
   ImageAssemblerOptions options_;
   ExposureLookup exposures_;
+  DepthLookup depths_;
+  std::optional<double> last_depth_;  // when it came [s]
   std::deque<Waiting> waiting_;
   bool exposures_expected_ = false;
   bool calibrated_ = false;

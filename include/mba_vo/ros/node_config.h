@@ -28,6 +28,9 @@ struct NodeConfig {
   std::string exposure_time = "auto";
   double exposure_wait = 0.1;
   double calibration_wait = 1.0;
+  double depth_wait = 0.05;
+  double depth_tolerance = 0.02;
+  std::string depth_transport = "raw";
   std::string image_transport = "raw";
   bool rectified = false;
   double no_image_warning = 1.0;
@@ -51,6 +54,9 @@ struct NodeConfig {
     v("exposure_time", c.exposure_time, "[s], for all images; auto or nan: from the topic exposure, if any");
     v("exposure_wait", c.exposure_wait, 0.0, 10.0, "longest wait of an image for its exposure message [s]");
     v("calibration_wait", c.calibration_wait, 0.0, 60.0, "longest wait of an image for the first camera_info [s]");
+    v("depth_wait", c.depth_wait, 0.0, 10.0, "longest wait of an image for its depth image, where there are any [s]");
+    v("depth_tolerance", c.depth_tolerance, 0.0, 1.0, "most time between an image and its depth image [s]");
+    v("depth_transport", c.depth_transport, "image_transport of the depth images: raw, compressedDepth, ...");
     v("image_transport", c.image_transport, "image_transport of the input: raw, compressed, ...");
     v("rectified", c.rectified, "the images are rectified already: P of camera_info, no distortion");
     v("no_image_warning", c.no_image_warning, 0.1, 3600.0, "silence at the input after which the status says so [s]");

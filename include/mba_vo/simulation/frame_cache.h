@@ -17,7 +17,8 @@ class FrameCache {
   /// `$XDG_CACHE_HOME/mba_vo` or `~/.cache/mba_vo`; empty when neither variable is set.
   static std::string defaultFolder();
 
-  /// Adds the images of frame `frame.id`; false if any that the configuration asks for is missing or unreadable.
+  /// Adds the images of frame `frame.id`, and its depths if they are there; false if an image that the configuration
+  /// asks for is missing or unreadable.
   bool load(SimulatedFrame& frame) const;
   /// Throws std::runtime_error naming the file that cannot be written.
   void store(const SimulatedFrame& frame) const;

@@ -33,6 +33,8 @@ class Simulator {
 
   /// Throws std::out_of_range for a frame that is not in the sequence.
   SimulatedFrame render(int index) const;
+  /// Depths of a frame at mid-exposure [m].
+  cv::Mat1f renderDepth(int index) const;
 
   /// All of a frame but its images.
   SimulatedFrame groundTruth(int index) const;

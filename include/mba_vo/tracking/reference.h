@@ -64,6 +64,7 @@ struct Reference {
   std::optional<double> exposure;  // of its image [s]; nullopt = unknown
   std::string doubt;               // why poses of this map are not to be relied on; empty if they are
   std::string withdrawn;     // why the map was given up, and nothing can be tracked with this; empty if it was not
+  bool metric = false;       // the unit of length is the metre; else it is arbitrary
   bool at_infinity = false;  // no depths are known and the points' mean nothing: only rotation can be tracked
 };
 

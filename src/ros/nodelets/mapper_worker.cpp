@@ -18,7 +18,11 @@ bool ordinary(const TrackedFrame& tracked) { return tracked.tracked() && !tracke
 
 }  // namespace
 
-std::size_t MapperWorker::bytesOf(const Job& job) { return job.frame ? job.frame->tracked->frame->pyramid.bytes() : 0; }
+std::size_t MapperWorker::bytesOf(const Job& job) {
+  if (!job.frame) return 0;
+  const Frame& frame = *job.frame->tracked->frame;
+  return frame.pyramid.bytes() + frame.depth.total() * sizeof(float);
+}
 
 /// The oldest ordinary frame, or else the oldest frame.
 std::size_t MapperWorker::mostDispensable(const std::deque<Job>& jobs) {

@@ -65,10 +65,11 @@ void StatusReporter::imageTracked(const TrackedFrame& tracked, const std::string
   }
 }
 
-void StatusReporter::referenceAdopted(const ReferenceId& id, const MapperStatus& mapper) {
+void StatusReporter::referenceAdopted(const Reference& reference, const MapperStatus& mapper) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  status_.map_id = id.map_id;
-  status_.keyframe_id = id.keyframe_id;
+  status_.map_id = reference.id.map_id;
+  status_.keyframe_id = reference.id.keyframe_id;
+  status_.metric_scale = reference.metric;
   status_.mapper = mapper;
 }
 
@@ -83,6 +84,7 @@ void StatusReporter::wasReset() {
   status_.state = Status::WAITING;
   status_.map_id = 0;
   status_.keyframe_id = 0;
+  status_.metric_scale = false;
   status_.reason = "reset";
   publishLocked(status_.reason);
 }

@@ -23,7 +23,7 @@ class StatusReporter {
   void imageRejected(std::int64_t stamp_ns, const std::string& reason);
   void imageTracked(const TrackedFrame& tracked, const std::string& exposure_source);
 
-  void referenceAdopted(const ReferenceId& id, const MapperStatus& mapper);
+  void referenceAdopted(const Reference& reference, const MapperStatus& mapper);
   void referenceStale();
   void wasReset();
   /// Publishes the present state; `waiting_for`: what is missing at the input, empty = nothing.

@@ -40,6 +40,8 @@ class TrackerNodelet final : public nodelet::Nodelet {
     options.fixed_exposure = config.fixedExposure();
     options.exposure_wait = config.exposure_wait;
     options.calibration_wait = config.calibration_wait;
+    options.depth_wait = config.depth_wait;
+    options.depth_tolerance = config.depth_tolerance;
     // The trajectory store knows frames by number: a tracker that is restarted must not use numbers again.
     options.first_sequence = static_cast<std::uint64_t>(kNumbersPerSecond * ros::WallTime::now().toSec());
     assembler_ = std::make_unique<ImageAssembler>(options);
@@ -58,6 +60,9 @@ class TrackerNodelet final : public nodelet::Nodelet {
     image_subscriber_ = transport_->subscribe(
         "image", kInputQueue, &TrackerNodelet::onImage, this,
         image_transport::TransportHints(config.image_transport, no_delay, getPrivateNodeHandle()));
+    depth_subscriber_ = transport_->subscribe(
+        "depth", kInputQueue, &TrackerNodelet::onDepth, this,
+        image_transport::TransportHints(config.depth_transport, no_delay, getPrivateNodeHandle(), "depth_transport"));
     reset_server_ = nh.advertiseService("reset", &TrackerNodelet::onReset, this);
     poll_timer_ = nh.createSteadyTimer(ros::WallDuration(kPollPeriod), &TrackerNodelet::onPoll, this);
     status_timer_ = nh.createSteadyTimer(ros::WallDuration(kStatusPeriod), &TrackerNodelet::onStatusTimer, this);
@@ -74,6 +79,11 @@ class TrackerNodelet final : public nodelet::Nodelet {
 
   void onExposure(const ExposureStampedConstPtr& exposure) {
     assembler_->addExposure(toNanoseconds(exposure->header.stamp), exposure->exposure_time);
+    handOn();
+  }
+
+  void onDepth(const sensor_msgs::ImageConstPtr& depth) {
+    assembler_->addDepth(depth, steadySeconds());
     handOn();
   }
 
@@ -137,6 +147,7 @@ class TrackerNodelet final : public nodelet::Nodelet {
   std::unique_ptr<TrackerWorker> worker_;
   std::unique_ptr<image_transport::ImageTransport> transport_;
   image_transport::Subscriber image_subscriber_;
+  image_transport::Subscriber depth_subscriber_;
   ros::Subscriber info_subscriber_;
   ros::Subscriber exposure_subscriber_;
   ros::Subscriber reference_subscriber_;

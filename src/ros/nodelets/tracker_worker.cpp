@@ -22,7 +22,7 @@ constexpr std::size_t kBacklog = 8;  // so many images wait: the tracker is behi
 
 std::size_t TrackerWorker::bytesOf(const Job& job) {
   const auto* image = std::get_if<InputImage>(&job);
-  return image ? image->message->data.size() : 0;
+  return image ? image->message->data.size() + (image->depth ? image->depth->data.size() : 0) : 0;
 }
 
 /// The image whose neighbours are closest in time: images are thinned out evenly, so that the camera moves as little as
@@ -157,10 +157,25 @@ FrameConstPtr TrackerWorker::makeFrame(const InputImage& image) {
     updateFrameBuilder();
     const cv_bridge::CvImageConstPtr pixels = toCvImage(image.message);
     return builder_->build(pixels->image, image.sequence, stamp_ns,
-                           midExposure(stamp_ns, verdict.exposure, stamp_reference_), verdict.exposure);
+                           midExposure(stamp_ns, verdict.exposure, stamp_reference_), verdict.exposure, depthOf(image));
   } catch (const std::invalid_argument& error) {
     return reject(error.what());
   }
+}
+
+cv::Mat1f TrackerWorker::depthOf(const InputImage& image) const {
+  if (!image.depth) return {};
+  const PinholeCamera& camera = builder_->camera();
+  try {
+    cv::Mat1f depth = depthFromMessage(image.depth);
+    if (depth.cols == camera.width && depth.rows == camera.height) return depth;
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriod, "depth image is not used: it is " << depth.cols << "x" << depth.rows
+                                                                            << ", the image's calibration says "
+                                                                            << camera.width << "x" << camera.height);
+  } catch (const std::invalid_argument& error) {
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriod, "depth image is not used: " << error.what());
+  }
+  return {};
 }
 
 void TrackerWorker::updateFrameBuilder() {
@@ -195,7 +210,7 @@ void TrackerWorker::adoptReferences() {
     }
     const bool has_time = queue_.size() < kBacklog;
     if (loop_.take(message->reference, has_time)) {
-      status_.referenceAdopted(message->reference->id, message->summary.status);
+      status_.referenceAdopted(*message->reference, message->summary.status);
       correctCalibration(message->reference->correction);
     } else {
       status_.referenceStale();

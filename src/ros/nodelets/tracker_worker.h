@@ -48,6 +48,8 @@ class TrackerWorker {
   void process(const InputImage& image);
   /// Null if the image is of no use; the status then says why.
   FrameConstPtr makeFrame(const InputImage& image);
+  /// Empty if there is none of any use.
+  cv::Mat1f depthOf(const InputImage& image) const;
   void updateFrameBuilder();
   void adoptReferences();
   /// Frames that waited for the first reference of a map are tracked; newer references are adopted in between. Frames
