@@ -48,7 +48,7 @@ void describe(CLI::App& app, Arguments& a) {
                  "results of mba_vo_offline on it; without, the true motion and depths of a simulation");
   app.add_option("--output", a.output, "folder for the results, made if need be")->required();
   app.add_option("--config", a.config_file, "YAML file with options; mapper.deblur and image are used");
-  app.add_option("--method", a.method, "none, trajectory or onnx, in place of mapper.deblur.method")
+  app.add_option("--method", a.method, "none, trajectory, onnx or folder, in place of mapper.deblur.method")
       ->capture_default_str();
   app.add_option("--images", a.images, "sub-folder with the blurred images")->capture_default_str();
   app.add_option("--sharp", a.sharp, "sub-folder with sharp images to compare with, if there is one")
@@ -201,6 +201,7 @@ class DeblurRun {
     const mba_vo::FrameConstPtr frame = build(image);
     mba_vo::DeblurInput input;
     input.image = std::shared_ptr<const mba_vo::ImagePyramid>(frame, &frame->pyramid);
+    input.sequence = image.sequence;
     input.depths = geometry_->depths(frame->pyramid.level(0).camera, *motion, image);
     input.motion = motion->trajectory;
     input.motion.T_reference_mid = mba_vo::SE3();

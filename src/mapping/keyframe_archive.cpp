@@ -64,6 +64,7 @@ ArchivedKeyframe::ArchivedKeyframe(const Reference& of, const Frame& frame)
       stamp_ns(frame.stamp_ns),
       camera(of.pyramid->level(0).camera),
       levels(of.pyramid->levels()),
+      image_exposure(of.pyramid.get() == &frame.pyramid ? of.exposure : 0.0),
       thumbnail(*of.pyramid) {
   const cv::Mat1f& original = of.pyramid->level(0).intensity;
   cv::Mat intensity;
@@ -83,7 +84,7 @@ FrameConstPtr ArchivedKeyframe::restoreFrame() const {
   frame->sequence = frame_sequence;
   frame->stamp_ns = stamp_ns;
   frame->mid_exposure_ns = reference.mid_exposure_ns;
-  frame->exposure = reference.exposure;
+  frame->exposure = image_exposure;
   frame->pyramid = ImagePyramid(intensity, camera, levels);
   return frame;
 }

@@ -39,8 +39,11 @@ LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initi
       next_keyframe_(place.keyframe) {
   window_.setCorrection(calibration_.correction());
   const FrameConstPtr& frame = initial.reference;
-  addKeyframe(frame, std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid), place.T_map_keyframe,
-              reference_velocity, place.brightness);
+  std::vector<DepthSample> depths;
+  for (const ReferencePoint& p : initial.points) depths.push_back({p.pixel, p.inverse_depth});
+  const ExposureTrajectory motion{SE3(), reference_velocity, frame->exposure.value_or(0.0)};
+  addKeyframe(frame, deblur(frame, motion, std::nullopt, std::move(depths)), place.T_map_keyframe, reference_velocity,
+              place.brightness);
   for (const ReferencePoint& point : initial.points) {
     const MeasuredDepth depth{static_cast<double>(point.inverse_depth), static_cast<double>(point.variance)};
     window_.addPoint(newestKeyframe(), point.pixel.cast<double>(), depth.inverse_depth,
@@ -93,24 +96,34 @@ void LocalMap::searchDepths(const TrackedFrame& tracked) {
   depth_search_ms_ += millisecondsSince(begin);
 }
 
-std::shared_ptr<const ImagePyramid> LocalMap::deblur(const TrackedFrame& tracked, const SE3& T_map_keyframe,
-                                                     const Vector6& velocity) const {
+std::shared_ptr<const ImagePyramid> LocalMap::deblur(const FrameConstPtr& frame, const ExposureTrajectory& motion,
+                                                     const std::optional<Vector6>& other_velocity,
+                                                     std::vector<DepthSample> depths) const {
   DeblurInput input;
-  input.image = std::shared_ptr<const ImagePyramid>(tracked.frame, &tracked.frame->pyramid);
-  input.motion = {SE3(), velocity, tracked.frame->exposure.value_or(0.0), tracked.trajectory.acceleration};
-  input.other_velocity = tracked.trajectory.velocity;
-  for (const ReferencePoint& p :
-       projectPoints(window_, input.image->level(0).camera, T_map_keyframe, tracked.trajectory.velocity)) {
-    input.depths.push_back({p.pixel, p.inverse_depth});
-  }
+  input.image = std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid);
+  input.sequence = frame->sequence;
+  input.motion = motion;
+  input.other_velocity = other_velocity;
+  input.depths = std::move(depths);
   return deblurrer_->deblur(input).image;
+}
+
+std::vector<DepthSample> LocalMap::depthsIn(const TrackedFrame& tracked, const SE3& T_map_keyframe) const {
+  std::vector<DepthSample> depths;
+  for (const ReferencePoint& p :
+       projectPoints(window_, tracked.frame->pyramid.level(0).camera, T_map_keyframe, tracked.trajectory.velocity)) {
+    depths.push_back({p.pixel, p.inverse_depth});
+  }
+  return depths;
 }
 
 KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const Vector6& velocity) {
   KeyframeReport report;
   const Clock::time_point begin = Clock::now();
   const SE3 T_map_keyframe = T_map_camera(tracked);
-  const auto sharp = deblur(tracked, T_map_keyframe, velocity);
+  const ExposureTrajectory motion{SE3(), velocity, tracked.frame->exposure.value_or(0.0),
+                                  tracked.trajectory.acceleration};
+  const auto sharp = deblur(tracked.frame, motion, tracked.trajectory.velocity, depthsIn(tracked, T_map_keyframe));
   report.deblur_ms = millisecondsSince(begin);
 
   addKeyframe(tracked.frame, sharp, T_map_keyframe, velocity, tracked.brightness);

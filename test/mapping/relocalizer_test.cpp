@@ -102,8 +102,10 @@ TEST(KeyframeArchive, RestoresTheImageToHalfAGreyLevel) {
   cv::Mat1f image = test::toFloat(rendered.sharp);
   image(3, 5) = std::nanf("");
   auto reference = test::makeReference(rendered, image, 100);
+  const FrameConstPtr frame = test::makeFrame(image, 0, kExposure);
+  reference->pyramid = std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid);
   reference->exposure = kExposure;
-  const ArchivedKeyframe kept(*reference, *frameOf(rendered, 0.0));
+  const ArchivedKeyframe kept(*reference, *frame);
   const FrameConstPtr restored = kept.restoreFrame();
   const cv::Mat1f& again = restored->pyramid.level(0).intensity;
   EXPECT_TRUE(std::isnan(again(3, 5)));
@@ -115,6 +117,14 @@ TEST(KeyframeArchive, RestoresTheImageToHalfAGreyLevel) {
   EXPECT_LE(cv::norm(image, finite, cv::NORM_INF), 0.5);
   EXPECT_EQ(restored->exposure, kExposure);
   EXPECT_EQ(kept.restoreReference(restored)->points.size(), reference->points.size());
+}
+
+/// A window that begins with it anew would else blur it once more.
+TEST(KeyframeArchive, ADeblurredImageIsRestoredAsOneWithoutExposure) {
+  const SimulatedFrame rendered = renderAt(placeOf(0), Vector6::Zero(), 0.0);
+  auto reference = test::makeReference(rendered, test::toFloat(rendered.sharp), 100);
+  reference->exposure = kExposure;
+  EXPECT_EQ(ArchivedKeyframe(*reference, *frameOf(rendered, 0.0)).restoreFrame()->exposure, 0.0);
 }
 
 TEST(KeyframeArchive, TakesNewerPosesAndPointsOfWhatItKeeps) {

@@ -46,18 +46,33 @@ struct OnnxDeblurConfig {
   }
 };
 
+/// Options of FolderDeblurrer.
+struct FolderDeblurConfig {
+  std::string images;
+
+  template <typename Config, typename Visitor>
+  static void describe(Config& c, Visitor& v) {
+    v("images", c.images,
+      "folder with a rectified image, linear in light, per frame: NUMBER.png, webp or jpg, six digits");
+  }
+};
+
 /// Options of all deblurrers. `describe` names every option once, for YAML, ROS parameters and documentation.
 struct DeblurConfig {
   std::string method = "none";
   TrajectoryDeblurConfig trajectory;
   OnnxDeblurConfig onnx;
+  FolderDeblurConfig folder;
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
     v("method", c.method,
-      "how keyframes are deblurred: none, trajectory (along the path of each pixel) or onnx (a network)");
+      "how keyframes are deblurred: none, trajectory (along the path of each pixel), onnx (a network) or folder "
+      "(images "
+      "made beforehand)");
     v.section("trajectory", c.trajectory);
     v.section("onnx", c.onnx);
+    v.section("folder", c.folder);
   }
 };
 

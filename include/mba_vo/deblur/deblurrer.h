@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,7 +16,8 @@ namespace mba_vo {
 /// What a deblurrer is given: the blurred keyframe, how the camera moved within its exposure, and the sparse depths.
 struct DeblurInput {
   std::shared_ptr<const ImagePyramid> image;
-  ExposureTrajectory motion;  // relative to the keyframe at mid-exposure: T_reference_mid is the identity
+  std::uint64_t sequence = 0;  // of the frame
+  ExposureTrajectory motion;   // relative to the keyframe at mid-exposure: T_reference_mid is the identity
   // The velocity by another measurement, if there is one [m/s, rad/s]: where the two disagree, none is trusted.
   std::optional<Vector6> other_velocity;
   std::vector<DepthSample> depths;  // in the keyframe at mid-exposure

@@ -38,7 +38,8 @@ struct ArchivedKeyframe {
   std::int64_t stamp_ns = 0;
   PinholeCamera camera;
   int levels = 0;
-  cv::Mat1b image;  // 255 = invalid
+  cv::Mat1b image;                       // 255 = invalid
+  std::optional<double> image_exposure;  // that the image shows: none at all if it was deblurred [s]
   Thumbnail thumbnail;
 
   ArchivedKeyframe(const Reference& of, const Frame& frame);

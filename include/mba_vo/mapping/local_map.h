@@ -70,8 +70,10 @@ class LocalMap {
 
   void addKeyframe(const FrameConstPtr& frame, const std::shared_ptr<const ImagePyramid>& sharp,
                    const SE3& T_map_keyframe, const Vector6& velocity, const AffineBrightness& brightness);
-  std::shared_ptr<const ImagePyramid> deblur(const TrackedFrame& tracked, const SE3& T_map_keyframe,
-                                             const Vector6& velocity) const;
+  std::shared_ptr<const ImagePyramid> deblur(const FrameConstPtr& frame, const ExposureTrajectory& motion,
+                                             const std::optional<Vector6>& other_velocity,
+                                             std::vector<DepthSample> depths) const;
+  std::vector<DepthSample> depthsIn(const TrackedFrame& tracked, const SE3& T_map_keyframe) const;
   void activatePoints();
   SurfaceSlopes slopesIn(KeyframeId keyframe) const;
   void updateSlopes();
