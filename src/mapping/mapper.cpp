@@ -114,7 +114,8 @@ class Mapper::Impl {
     last->withdrawn = "map " + std::to_string(map_->id()) + " was given up: " + health_.doubt();
     const auto bad = static_cast<KeyframeId>(health_.badInARow());
     const bool young = health_.isYoung();
-    if (map_->isMetric() && (young || health_.contradictsDepths())) initializer_.doubtDepths(health_.contradictsDepths());
+    if (map_->isMetric() && (young || health_.contradictsDepths()))
+      initializer_.doubtDepths(health_.contradictsDepths());
     store_.forget(map_->id(), young || bad > map_->newestKeyframe() ? 0 : map_->newestKeyframe() + 1 - bad);
     const std::vector<FrameConstPtr> frames = young ? initial_frames_ : std::vector<FrameConstPtr>();
     const std::int64_t failed_ns = first_keyframe_ns_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mba_vo/mapping/point_activation.h"
 #include "mba_vo/mapping/schur_complement.h"
 #include "mba_vo/mapping/window_state.h"
 
@@ -14,6 +13,10 @@ constexpr int kRadius = 2;            // of the surroundings [px]
 constexpr double kEdge = 0.07;        // difference of inverse depths in the surroundings, relative, that is an edge ...
 constexpr double kNoiseSigmas = 6.0;  // ... beyond this noise
 constexpr double kCauchySigmas = 3.0;  // deviation from which on a measurement loses its influence
+
+// Of the residuals, correlation included [grey levels^2]. Not as they are: wrong depths make them large, and would win
+// by that.
+constexpr double kImageVariance = 25.0;
 
 constexpr double kAgreeSigmas = 3.0;  // within which two measurements agree
 constexpr int kMinCompared = 30;      // points that mean something
@@ -47,9 +50,9 @@ MeasuredDepth measureDepth(const cv::Mat1f& depth, const Eigen::Vector2i& pixel,
   return {w, noise * noise + shift * shift};
 }
 
-MeasuredDepthTerm measuredDepthTerm(const MeasuredDepth& measured, double inverse_depth) {
+MeasuredDepthTerm measuredDepthTerm(const MeasuredDepth& measured, double inverse_depth, double precision) {
   if (!measured.known()) return {};
-  const double information = kResidualVariance / measured.variance;
+  const double information = precision * kImageVariance / measured.variance;
   const double deviation = inverse_depth - measured.inverse_depth;
   const double scale = kCauchySigmas * kCauchySigmas * measured.variance;
   const double excess = deviation * deviation / scale;
@@ -58,8 +61,11 @@ MeasuredDepthTerm measuredDepthTerm(const MeasuredDepth& measured, double invers
 }
 
 double measuredDepthCost(const WindowState& state) {
+  const double precision = state.meanPrecision();
   double cost = 0.0;
-  for (const PointState& point : state.points) cost += measuredDepthTerm(point.measured, point.inverse_depth).cost;
+  for (const PointState& point : state.points) {
+    cost += measuredDepthTerm(point.measured, point.inverse_depth, precision).cost;
+  }
   return cost;
 }
 
@@ -68,15 +74,16 @@ bool DepthAgreement::fails() const {
 }
 
 DepthAgreement compareDepths(const WindowState& state) {
+  const double precision = state.meanPrecision();
   DepthAgreement result;
   for (const PointState& point : state.points) {
     if (!point.measured.known() || state.goodResiduals(point) == 0) continue;
     // By the images alone: what the measurement adds is known.
-    const MeasuredDepthTerm term = measuredDepthTerm(point.measured, point.inverse_depth);
-    const double information = (point.information - term.H) / kResidualVariance;
+    const MeasuredDepthTerm term = measuredDepthTerm(point.measured, point.inverse_depth, precision);
+    const double information = (point.information - term.H) / (precision * kImageVariance);
     const double telling = kTellingSigma * point.measured.inverse_depth;
     if (information * telling * telling < 1.0) continue;
-    const double by_images = point.inverse_depth + term.b / (kResidualVariance * information);
+    const double by_images = point.inverse_depth + term.b / (precision * kImageVariance * information);
     const double sigma = std::sqrt(point.measured.variance + 1.0 / information);
     ++result.compared;
     if (std::abs(by_images - point.measured.inverse_depth) < kAgreeSigmas * sigma) ++result.agreeing;
@@ -84,8 +91,8 @@ DepthAgreement compareDepths(const WindowState& state) {
   return result;
 }
 
-void addMeasuredDepth(const PointState& point, Eigen::Index row, LinearizedWindow& system) {
-  const MeasuredDepthTerm term = measuredDepthTerm(point.measured, point.inverse_depth);
+void addMeasuredDepth(const PointState& point, double precision, Eigen::Index row, LinearizedWindow& system) {
+  const MeasuredDepthTerm term = measuredDepthTerm(point.measured, point.inverse_depth, precision);
   system.H_depth(row) += term.H;
   system.b_depth(row) += term.b;
 }

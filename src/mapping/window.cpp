@@ -205,7 +205,7 @@ PointId Window::addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double i
   point.pixel = pixel;
   point.inverse_depth = inverse_depth;
   point.measured = measured;
-  point.information = measuredDepthTerm(measured, inverse_depth).H;
+  point.information = measuredDepthTerm(measured, inverse_depth, impl_->state_.meanPrecision()).H;
   for (int t = 0; t < impl_->state_.size(); ++t) impl_->addResidual(point, t);
   return impl_->insert(std::move(point));
 }

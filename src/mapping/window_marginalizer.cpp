@@ -26,8 +26,10 @@ void WindowMarginalizer::marginalizePoints(WindowState& state, const std::vector
   if (!kept.empty()) {
     LinearizedWindow system;
     linearizer_.linearize(state, kept, system);
+    const double precision = state.meanPrecision();
     for (std::size_t i = 0; i < kept.size(); ++i) {
-      addMeasuredDepth(state.points[static_cast<std::size_t>(kept[i])], static_cast<Eigen::Index>(i), system);
+      addMeasuredDepth(state.points[static_cast<std::size_t>(kept[i])], precision, static_cast<Eigen::Index>(i),
+                       system);
     }
     ReducedSystem reduced;
     SchurComplement().reduce(system, 0.0, reduced);

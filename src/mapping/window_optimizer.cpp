@@ -123,8 +123,9 @@ bool WindowOptimizer::step(WindowState& state, const ScaleAnchor& anchor, const 
   state.prior.addTo(state.deltas(), system_.H, system_.b);
   anchor.addTo(state, system_.H, system_.b);
   depth_prior.addTo(state, system_);
+  const double precision = state.meanPrecision();
   for (std::size_t i = 0; i < state.points.size(); ++i) {
-    addMeasuredDepth(state.points[i], static_cast<Eigen::Index>(i), system_);
+    addMeasuredDepth(state.points[i], precision, static_cast<Eigen::Index>(i), system_);
   }
   schur_.reduce(system_, lambda, reduced_);
   Eigen::VectorXd x;
@@ -159,11 +160,12 @@ void WindowOptimizer::accept(WindowState& state) {
 }
 
 void WindowOptimizer::finish(WindowState& state, const DepthPrior& depth_prior, WindowSummary& summary) const {
+  const double precision = state.meanPrecision();
   double energy = 0.0;
   for (std::size_t i = 0; i < state.points.size(); ++i) {
     PointState& point = state.points[i];
-    point.information =
-        system_.H_depth(static_cast<Eigen::Index>(i)) + measuredDepthTerm(point.measured, point.inverse_depth).H;
+    point.information = system_.H_depth(static_cast<Eigen::Index>(i)) +
+                        measuredDepthTerm(point.measured, point.inverse_depth, precision).H;
     for (PatchResidual& residual : point.residuals) {
       const bool good = state.isGood(residual);
       residual.bad_rounds = good ? 0 : residual.bad_rounds + 1;

@@ -33,7 +33,7 @@ WindowPointActivation::Evaluation WindowPointActivation::evaluate(const WindowSt
     total.H += system.H;
     total.b += system.b;
   }
-  const MeasuredDepthTerm measured = measuredDepthTerm(point.measured, point.inverse_depth);
+  const MeasuredDepthTerm measured = measuredDepthTerm(point.measured, point.inverse_depth, state.meanPrecision());
   total.cost += measured.cost;
   total.H += measured.H;
   total.b += measured.b;

@@ -1,6 +1,7 @@
 #include "mba_vo/mapping/window_state.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -48,6 +49,17 @@ void WindowState::removeKeyframe(int i) {
 int WindowState::goodResiduals(const PointState& point) const {
   return static_cast<int>(std::count_if(point.residuals.begin(), point.residuals.end(),
                                         [this](const PatchResidual& r) { return isGood(r); }));
+}
+
+double WindowState::meanPrecision() const {
+  double sum = 0.0;
+  int count = 0;
+  for (const KeyframeState& keyframe : keyframes) {
+    if (std::isinf(keyframe.huber_threshold)) continue;  // no residuals yet
+    sum += static_cast<double>(keyframe.precision);
+    ++count;
+  }
+  return count > 0 ? sum / count : 1.0;
 }
 
 }  // namespace mba_vo

@@ -102,8 +102,11 @@ BagTopics findBagTopics(const rosbag::Bag& bag, const std::string& file, const B
     choose(topics, file, "depth", wanted.depth, {kImageType});
     images.erase(wanted.depth);
   }
-  if (wanted.image.empty()) images = withoutDepths(bag, images);
-  found.image = choose(images, file, "image", wanted.image, {kImageType, "sensor_msgs/CompressedImage"});
+  const auto chooseImage = [&](const TopicTypes& from) {
+    return choose(from, file, "image", wanted.image, {kImageType, "sensor_msgs/CompressedImage"});
+  };
+  found.image = wanted.image.empty() ? chooseImage(withoutDepths(bag, images)) : "";
+  if (found.image.empty()) found.image = chooseImage(images);  // that nothing can be read is told image by image
   if (found.image.empty()) {
     throw std::runtime_error("bag '" + file + "' has no topic of type sensor_msgs/Image or CompressedImage");
   }

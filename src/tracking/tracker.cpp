@@ -14,6 +14,7 @@ namespace mba_vo {
 namespace {
 
 constexpr int kStartIterations = 6;           // spent on each alternative start on the coarsest level
+constexpr int kTurnIterations = 30;           // on the search for a turn
 constexpr std::size_t kFinerStarts = 3;       // compared again on the next level
 constexpr double kSameBasin = 0.25;           // [px of the coarsest level] results nearer than this are one
 constexpr double kLeastBlurToSeed = 0.5;      // [px] shorter motion gives no direction to descend along
@@ -70,10 +71,12 @@ struct Tracker::Job {
   double median_depth;                   // [m]
   std::vector<std::vector<int>> points;  // to be aligned, by level
 
+  double fx() const { return reference.pyramid->level(0).camera.fx; }
+  Vector6 seeded(const Vector6& xi) const { return rolling ? xi : seededXi(xi, fx()); }
   /// Rotation between two states, as the image sees it [px of the finest level].
   double turn(const AlignmentState& l, const AlignmentState& r) const {
     const SE3 between = l.T_reference_mid.inverse() * r.T_reference_mid;
-    return reference.pyramid->level(0).camera.fx * between.log().tail<3>().norm();
+    return fx() * between.log().tail<3>().norm();
   }
 };
 
@@ -113,7 +116,7 @@ Vector6 Tracker::bendFor(const Job& job, const AlignmentState& state) const {
 
 /// `huber_threshold`: or kFollowResiduals.
 Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentState& initial, int max_iterations,
-                                    double huber_threshold) const {
+                                    double huber_threshold, Freedom freedom) const {
   const PatchPattern pattern = PatchPattern::square(patchSide(level));
   AlignmentOptions options;
   options.huber_threshold = config_.huber_threshold;
@@ -121,10 +124,10 @@ Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentSt
   options.max_samples = config_.max_samples;
   options.estimate_xi = job.exposure > 0.0;
   options.exposure = job.exposure;
-  options.rotation_only = job.reference.at_infinity;
+  options.rotation_only = job.reference.at_infinity || freedom == Freedom::kRotation;
   options.with_covariance = level == 0;
   AlignmentProblem problem(job.reference, job.points[static_cast<std::size_t>(level)], job.frame, level, pattern,
-                           options, priorFor(job, initial), initial);
+                           options, freedom == Freedom::kRotation ? std::nullopt : priorFor(job, initial), initial);
   if (huber_threshold > 0.0) {
     problem.setHuberThreshold(huber_threshold);
   } else {
@@ -138,38 +141,49 @@ Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentSt
 
 std::vector<AlignmentState> Tracker::starts(const Job& job) const {
   const TrackingGuess& guess = job.guess;
-  const double fx = job.reference.pyramid->level(0).camera.fx;
-  const double exposure = job.exposure;
-  const auto seeded = [&](const Vector6& xi) { return job.rolling ? xi : seededXi(xi, fx); };
   AlignmentState first;
   first.T_reference_mid = guess.trajectory.T_reference_mid;
-  if (exposure > 0.0) first.xi = seeded(exposure * guess.trajectory.velocity);
+  if (job.exposure > 0.0) first.xi = job.seeded(job.exposure * guess.trajectory.velocity);
   first.a = guess.brightness.a - job.reference.brightness.a;
   first.b = guess.brightness.b - std::exp(first.a) * job.reference.brightness.b;
   std::vector<AlignmentState> starts = {first};
   if (!guess.motion || guess.motion->dt == 0.0) return starts;
-  for (const SE3& pose : guess.motion->alternatives()) {
-    AlignmentState start = first;
-    start.T_reference_mid = pose;
-    if (exposure > 0.0) start.xi = seeded(guess.motion->expectedXi(pose, exposure));
-    starts.push_back(start);
-  }
+  for (const SE3& pose : guess.motion->alternatives()) starts.push_back(startAt(job, first, pose));
   return starts;
+}
+
+/// The start at another pose, with the motion within the exposure that it would mean.
+AlignmentState Tracker::startAt(const Job& job, AlignmentState start, const SE3& pose) {
+  start.T_reference_mid = pose;
+  if (job.exposure > 0.0) start.xi = job.seeded(job.guess.motion->expectedXi(pose, job.exposure));
+  return start;
+}
+
+/// A turn alone since the previous frame, whatever was predicted: as patches all over the image tell. With no more to
+/// find, it is found from farther away.
+AlignmentState Tracker::turned(const Job& job, int level, AlignmentState start) const {
+  start.T_reference_mid = job.guess.motion->previous.T_reference_mid;
+  const auto turn = align(job, level, start, kTurnIterations, config_.huber_threshold, Freedom::kRotation);
+  return startAt(job, start, turn.minimum.state.T_reference_mid);
 }
 
 AlignmentState Tracker::bestStart(const Job& job, int level) const {
   std::vector<LevelResult> coarse;
-  for (const AlignmentState& start : starts(job)) {
+  const auto tryFrom = [&](const AlignmentState& start) {
     coarse.push_back(align(job, level, start, kStartIterations, config_.huber_threshold));
-  }
+  };
+  const std::vector<AlignmentState> predicted = starts(job);
+  std::for_each(predicted.begin(), predicted.end(), tryFrom);
   const auto better = [](const auto& l, const auto& r) { return l.meanCost() < r.meanCost(); };
+  const auto& best = std::min_element(coarse.begin(), coarse.end(), better)->minimum.equations.statistics;
+  const bool surprised = best.inlier_fraction < config_.degraded_inlier_fraction;
+  if (surprised && predicted.size() > 1) tryFrom(turned(job, level, predicted.front()));
   std::sort(coarse.begin(), coarse.end(), better);
   // The coarsest level tells little: the best few that differ there are compared again one level finer.
   const double same_basin = kSameBasin * (1 << level);
   std::vector<const LevelResult*> candidates;
   for (const LevelResult& result : coarse) {
-    if (candidates.size() >= kFinerStarts) break;
-    if (result.patches < coarse.front().patches / 2) continue;
+    if (candidates.size() >= kFinerStarts || result.patches < coarse.front().patches / 2) continue;
     const auto same = [&](const LevelResult* other) {
       return job.turn(other->minimum.state, result.minimum.state) < same_basin;
     };
@@ -178,8 +192,8 @@ AlignmentState Tracker::bestStart(const Job& job, int level) const {
   if (candidates.size() == 1) return candidates.front()->minimum.state;
   std::vector<LevelResult> finer;
   for (const LevelResult* candidate : candidates) {
-    finer.push_back(
-        align(job, std::max(level - 1, 0), candidate->minimum.state, kStartIterations, config_.huber_threshold));
+    const AlignmentState& start = candidate->minimum.state;
+    finer.push_back(align(job, std::max(level - 1, 0), start, kStartIterations, config_.huber_threshold));
   }
   return std::min_element(finer.begin(), finer.end(), better)->minimum.state;
 }

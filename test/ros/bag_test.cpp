@@ -119,7 +119,7 @@ TEST_F(BagTest, DepthImagesComeWithTheImageThatIsNearestInTime) {
   for (int i = 0; i < 4; ++i) {
     writer.write(kStart + i * kInterval, 0.02, testImage(i));
     if (i == 1) writer.writeImage(BagImageWriter::kDepthTopic, cv::Mat1f(20, 32, 2.5F));
-    if (i == 3) writer.writeImage("/camera/depth_mm", cv::Mat1w(20, 32, static_cast<std::uint16_t>(1500)));
+    if (i == 3) writer.writeImage("/camera/depth_mm", cv::Mat1w(20, 32, static_cast<std::uint16_t>(2000)));
   }
   writer.close();
   BagTopics topics;
@@ -137,7 +137,7 @@ TEST_F(BagTest, DepthImagesComeWithTheImageThatIsNearestInTime) {
   topics.depth_tolerance = 0.05;
   EXPECT_EQ(depthsOf(), (std::vector<float>{2.5F, 2.5F, 2.5F, 0.0F}));
   topics.depth = "/camera/depth_mm";
-  EXPECT_EQ(depthsOf(), (std::vector<float>{0.0F, 0.0F, 1.5F, 1.5F}));
+  EXPECT_EQ(depthsOf(), (std::vector<float>{0.0F, 0.0F, 2.0F, 2.0F}));
   topics.depth = "/camera/exposure";
   EXPECT_NE(errorOf(topics).find("/camera/exposure"), std::string::npos);
 }

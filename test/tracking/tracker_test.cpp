@@ -12,6 +12,7 @@ namespace mba_vo {
 namespace {
 
 constexpr double kExposure = 0.02;  // [s]
+constexpr double kRadiansPerDegree = 0.017453292519943295;
 
 const SimulatedFrame& referenceView() {
   static const SimulatedFrame view = test::roomSimulator().render(40);
@@ -112,6 +113,25 @@ TEST(Tracker, KnowsTheSignFromThePreviousFrame) {
     blurred += error.true_length > 4.0 ? 1 : 0;
   }
   EXPECT_GE(blurred, 5);  // where the sign matters
+}
+
+// The camera stood still and turns all of a sudden.
+TEST(Tracker, FindsATurnThatNothingPredicted) {
+  MotionPrior prior;
+  prior.dt = 1.0 / 27.0;
+  prior.previous = {SE3(), Vector6::Zero(), kExposure};
+  for (const unsigned seed : {3, 4, 6}) {
+    Vector6 turn = Vector6::Zero();
+    turn.tail<3>() = 8.0 * kRadiansPerDegree * test::Random(seed).tangent(0.0, 1.0).tail<3>().normalized();
+    const auto motion = test::constantVelocity(referenceView().T_world_mid * SE3::exp(turn), turn / prior.dt);
+    const SimulatedFrame rendered = test::roomSimulator().renderExposure(motion, 0.0, kExposure, seed);
+    const TrackedFrame tracked =
+        Tracker({}).track(*sharpReference(), test::makeFrame(rendered, kExposure), TrackingGuess(prior, kExposure));
+    EXPECT_EQ(tracked.status, TrackingStatus::kTracking) << tracked.reason;
+    const double mid =
+        test::meanReprojectionError(referenceView().depth, SE3::exp(turn), tracked.trajectory.T_reference_mid);
+    EXPECT_LT(mid, 0.5) << "seed " << seed;
+  }
 }
 
 TEST(Tracker, AlignsSharpFramesWithoutMotionInTheExposure) {

@@ -57,8 +57,8 @@ class Initializer {
   /// Why there is no map yet, e.g. "only rotation so far".
   const std::string& reason() const;
   void reset();
-  /// A map made with depth images was wrong, surely because of them, or perhaps. Before long they are not used any more,
-  /// also after reset().
+  /// A map made with depth images was wrong, surely because of them, or perhaps. Before long they are not used any
+  /// more, also after reset().
   void doubtDepths(bool surely);
   void trustDepths();
 

@@ -43,8 +43,9 @@ MeasuredDepth measureDepth(const cv::Mat1f& depth, const Eigen::Vector2i& pixel,
 /// What measured depths contribute to a window: Cauchy's loss of the deviation, so that a measurement that the images
 /// contradict by many standard deviations is let go. In units of the photometric cost.
 double measuredDepthCost(const WindowState& state);
-/// Adds Hessian and half the gradient of the inverse depth of the point in this row of the system.
-void addMeasuredDepth(const PointState& point, Eigen::Index row, LinearizedWindow& system);
+/// Adds Hessian and half the gradient of the inverse depth of the point in this row of the system; `precision`: that of
+/// the window's residuals [1 / grey level^2].
+void addMeasuredDepth(const PointState& point, double precision, Eigen::Index row, LinearizedWindow& system);
 
 /// Points with measured depths that the images can tell to be wrong, and how many of them seem right.
 struct DepthAgreement {
@@ -63,6 +64,6 @@ struct MeasuredDepthTerm {
   double H = 0.0;
   double b = 0.0;
 };
-MeasuredDepthTerm measuredDepthTerm(const MeasuredDepth& measured, double inverse_depth);
+MeasuredDepthTerm measuredDepthTerm(const MeasuredDepth& measured, double inverse_depth, double precision);
 
 }  // namespace mba_vo

@@ -72,11 +72,14 @@ class Tracker {
  private:
   struct Job;
   struct LevelResult;
+  enum class Freedom { kAll, kRotation };
   std::vector<AlignmentState> starts(const Job& job) const;
+  static AlignmentState startAt(const Job& job, AlignmentState start, const SE3& pose);
+  AlignmentState turned(const Job& job, int level, AlignmentState start) const;
   AlignmentState bestStart(const Job& job, int level) const;
   Vector6 bendFor(const Job& job, const AlignmentState& state) const;
   LevelResult align(const Job& job, int level, const AlignmentState& initial, int max_iterations,
-                    double huber_threshold) const;
+                    double huber_threshold, Freedom freedom = Freedom::kAll) const;
   LevelResult preferExpectedDirection(const Job& job, const LevelResult& result) const;
   std::optional<AlignmentPrior> priorFor(const Job& job, const AlignmentState& state) const;
   Matrix12 covarianceOf(const Job& job, const LevelResult& result, double blur_px) const;
