@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kSigmaOfMedian = 1.4826;  // standard deviation over median size of a normal distribution
 constexpr double kClearlyOff = 2.5;        // [standard deviations]
-constexpr double kLeast = 0.6;             // [grey levels] standard deviation of what the noise of two images differs by
+constexpr double kLeast = 0.6;             // [grey levels] what the noise of two images differs by, standard deviation
 
 }  // namespace
 
