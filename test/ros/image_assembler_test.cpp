@@ -28,13 +28,14 @@ ImageAssembler calibratedAssembler(const ImageAssemblerOptions& options = {}) {
   return assembler;
 }
 
-TEST(ImageAssembler, WithoutASenderOfExposuresImagesDoNotWait) {
+TEST(ImageAssembler, WithoutSendersOfExposuresAndDepthsImagesDoNotWait) {
   ImageAssembler assembler = calibratedAssembler();
   assembler.addImage(image(0, 0), 5.0);
   const auto ready = assembler.takeReady(5.0);
   ASSERT_EQ(ready.size(), 1U);
   EXPECT_FALSE(ready[0].exposure.has_value());
   EXPECT_FALSE(ready[0].exposure_from_topic);
+  EXPECT_FALSE(ready[0].depth);
 }
 
 TEST(ImageAssembler, ImageWaitsForItsExposure) {
@@ -97,14 +98,6 @@ sensor_msgs::ImageConstPtr depthOf(int index, std::int64_t offset_ns = 0) {
   auto message = boost::make_shared<sensor_msgs::Image>();
   message->header.stamp = toRosTime(stampOf(index) + offset_ns);
   return message;
-}
-
-TEST(ImageAssembler, WithoutDepthImagesNothingWaitsForThem) {
-  ImageAssembler assembler = calibratedAssembler();
-  assembler.addImage(image(0, 0), 5.0);
-  const auto ready = assembler.takeReady(5.0);
-  ASSERT_EQ(ready.size(), 1U);
-  EXPECT_FALSE(ready[0].depth);
 }
 
 TEST(ImageAssembler, ImageWaitsForItsDepthWhereTheyCome) {

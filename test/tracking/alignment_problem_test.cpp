@@ -121,6 +121,38 @@ TEST(AlignmentProblem, GradientHoldsWithPriorsAndABlurredReference) {
   }
 }
 
+TEST(AlignmentProblem, ThePredictedPoseWeighsByTheResidualsAndTheExpectedXiDoesNot) {
+  const SmoothScene scene = makeScene();
+  constexpr double kInformation = 1e3;
+  test::Random random(9);
+  const AlignmentState state = stateAt(random);
+  AlignmentPrior prior;
+  prior.pose_information.setConstant(kInformation);
+  prior.xi_information.setConstant(kInformation);
+  prior.T_reference_mid = state.T_reference_mid;
+  prior.xi = state.xi;
+  AlignmentOptions options = smoothOptions();
+  options.residual_sigma = 20.0;
+  // What the prior adds to the Hessian, where the residuals spread as far as the threshold says.
+  const auto weights = [&](double huber_threshold) {
+    const auto hessian = [&](const std::optional<AlignmentPrior>& with) {
+      AlignmentProblem problem(*scene.reference, scene.points, *scene.frame, 0, kPattern, options, with, state);
+      problem.setHuberThreshold(huber_threshold);
+      return problem.linearize(state).hessian;
+    };
+    const auto difference = (hessian(prior) - hessian(std::nullopt)).eval();
+    return Eigen::Vector2d(difference(4, 4), difference(10, 10));
+  };
+  const double full = kInformation * options.residual_sigma * options.residual_sigma;
+  const Eigen::Vector2d sharp = weights(1e4);
+  const Eigen::Vector2d blurred = weights(2.0);
+  EXPECT_NEAR(sharp(0) / full, 1.0, 1e-3);
+  EXPECT_NEAR(sharp(1) / full, 1.0, 1e-3);
+  EXPECT_GT(blurred(0) / full, 0.04);  // a spread of some 4.5 grey levels instead of 20
+  EXPECT_LT(blurred(0) / full, 0.06);
+  EXPECT_NEAR(blurred(1) / full, 1.0, 1e-3);
+}
+
 TEST(AlignmentProblem, GradientHoldsWithARollingShutter) {
   test::Random random(8);
   const SmoothScene scene = makeScene(Vector6::Zero(), 1e-4);
