@@ -163,7 +163,8 @@ TEST(BlurOperator, FollowsTheRowsOfARollingShutter) {
   ExposureTrajectory motion;
   motion.exposure = 0.02;
   motion.velocity(3) = 2.0;
-  const BlurOperator blur({camera, camera, motion}, cv::Mat1f(240, 64, 0.5F), BlurOperator::gridFor(camera, 20));
+  const BlurOperator blur({camera, camera, motion, motion.velocity}, cv::Mat1f(240, 64, 0.5F),
+                          BlurOperator::gridFor(camera, 20));
   cv::Mat1f sharp(blur.grid().size);
   for (int y = 0; y < sharp.rows; ++y) {
     const auto row = static_cast<float>(y - blur.grid().margin);
