@@ -98,6 +98,12 @@ LatentGrid BlurOperator::gridFor(const PinholeCamera& latent_camera, int reach_p
   return {margin, {roundUp(latent_camera.width) + 2 * margin, roundUp(latent_camera.height) + 2 * margin}};
 }
 
+float BlurOperator::noiseGain() const {
+  double sum = 0.0;
+  for (const Tap& tap : taps_) sum += static_cast<double>(tap.weight * tap.weight);
+  return tiles_.empty() ? 1.0F : static_cast<float>(sum / static_cast<double>(tiles_.size()));
+}
+
 void BlurOperator::apply(const cv::Mat1f& latent, cv::Mat1f& blurred) const {
   blurred.create(observed_);
   blurred.setTo(0.0F);

@@ -1,4 +1,4 @@
-#include "level_problem.h"
+#include "mba_vo/deblur/level_problem.h"
 
 #include <algorithm>
 #include <cmath>
@@ -34,8 +34,12 @@ Observation::Observation(const BlurGeometry& geometry, const cv::Mat1f& inverse_
   }
 }
 
-void Observation::ignore(const cv::Rect& area) {
-  data_.weight(area & cv::Rect({0, 0}, data_.weight.size())).setTo(0.0F);
+void Observation::distrust(const cv::Mat1f& variance) {
+  cv::Mat1f added;
+  cv::resize(variance, added, data_.weight.size(), 0.0, 0.0, cv::INTER_LINEAR);
+  for (int y = 0; y < added.rows; ++y) {
+    for (int x = 0; x < added.cols; ++x) data_.weight(y, x) /= 1.0F + data_.weight(y, x) * added(y, x);
+  }
 }
 
 float Observation::residual(const cv::Mat1f& latent) const {

@@ -33,11 +33,17 @@ class Places {
     }
   }
 
-  /// Place of every pixel of the keyframe [px].
-  cv::Mat2f map() const {
+  /// Place of every pixel of the keyframe [px]. The correction is small: turning it into the neighbour's axes would
+  /// change less than its own error.
+  cv::Mat2f map(const cv::Mat2f& correction) const {
     cv::Mat2f map;
     cv::resize(shift_, map, shift_.size() * kCell, 0.0, 0.0, cv::INTER_LINEAR);
     map = map(cv::Rect(0, 0, camera_.width, camera_.height)).clone();
+    if (!correction.empty()) {
+      cv::Mat2f smooth;
+      cv::resize(correction, smooth, map.size(), 0.0, 0.0, cv::INTER_LINEAR);
+      map += smooth;
+    }
     for (int y = 0; y < map.rows; ++y) {
       for (int x = 0; x < map.cols; ++x) {
         cv::Vec2f& place = map(y, x);
@@ -121,7 +127,8 @@ cv::Mat1f overlay(const NeighbourLevel& neighbour, const cv::Mat1f& keyframe_dep
   const Places places(neighbour, keyframe_depth, neighbour_depth);
   cv::Mat1f result;
   // Eight taps a side: whatever damps fine detail here would be taken for blur.
-  cv::remap(image, result, places.map(), cv::noArray(), cv::INTER_LANCZOS4, cv::BORDER_CONSTANT, kNoValue);
+  cv::remap(image, result, places.map(neighbour.correction), cv::noArray(), cv::INTER_LANCZOS4, cv::BORDER_CONSTANT,
+            kNoValue);
   places.hide(result);
   return result;
 }

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
 
-#include "level_problem.h"
 #include "mba_vo/deblur/image_noise.h"
+#include "mba_vo/deblur/level_problem.h"
 #include "path_statistics.h"
 #include "second_frame.h"
 
@@ -56,7 +57,7 @@ class Solution {
 
   void run() {
     if (input_.image->levels() == 1) {
-      second_.choose(fine_.depth);
+      second_.refuse("no coarser level");
       latent_ = problem_.blurredStart();
       problem_.solve(solver_, nullptr, latent_);
       return;
@@ -66,11 +67,8 @@ class Solution {
     cv::resize(fine_.depth, depth, level.intensity.size(), 0.0, 0.0, cv::INTER_AREA);
     const LevelProblem problem(level, input_.motion, depth, 0.5F * reach_, noise_);
     const KeyframeLevel coarse{1, &problem, depth};
-    cv::Mat1f solution = problem.blurredStart();
-    problem.solve(solver_, nullptr, solution);
-    if (second_.choose(fine_.depth) && second_.fits(coarse, solution) && solveWithSecond(coarse, solution)) return;
-    latent_ = problem_.startFrom(problem, solution);
-    problem_.solve(solver_, nullptr, latent_);
+    if (second_.find(coarse, fine_.depth) && solve(coarse, true)) return;
+    solve(coarse, false);
   }
 
   float residual() const { return problem_.keyframe().residual(latent_); }
@@ -78,13 +76,17 @@ class Solution {
   const NeighbourUse& neighbour() const { return second_.use(); }
 
  private:
-  bool solveWithSecond(const KeyframeLevel& coarse, const cv::Mat1f& alone) {
-    cv::Mat1f solution = alone.clone();
-    coarse.problem->solve(solver_, second_.observe(coarse).get(), solution);
+  /// False if the second frame is not explained by the solution, or the keyframe no longer is.
+  bool solve(const KeyframeLevel& coarse, bool with_second) {
+    cv::Mat1f solution = coarse.problem->blurredStart();
+    const auto coarse_second = with_second ? second_.observe(coarse) : nullptr;
+    coarse.problem->solve(solver_, coarse_second.get(), solution);
     latent_ = problem_.startFrom(*coarse.problem, solution);
-    const std::unique_ptr<Observation> observation = second_.observe(fine_);
-    problem_.solve(solver_, observation.get(), latent_);
-    return second_.explained(*observation, latent_) && residual() < max_residual_;
+    const auto second = with_second ? second_.observe(fine_) : nullptr;
+    problem_.solve(solver_, second.get(), latent_);
+    if (!with_second) return true;
+    if (!second_.isExplained(*second, latent_)) return false;
+    return residual() < max_residual_ || second_.refuse("the keyframe is not explained with it");
   }
 
   const DeblurInput& input_;

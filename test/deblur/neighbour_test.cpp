@@ -21,7 +21,7 @@ BlurOperator neighbourOperator(const TwoFrames& frames) {
 }
 
 cv::Mat1f overlayOf(const TwoFrames& frames, const DeblurNeighbour& neighbour) {
-  return overlay({&neighbour, 0, test::geometryOf(frames)}, test::trueInverseDepth(frames.keyframe),
+  return overlay({&neighbour, 0, test::geometryOf(frames), {}}, test::trueInverseDepth(frames.keyframe),
                  denseInverseDepth(neighbour, roomSimulator().camera(), frames.input.depths));
 }
 

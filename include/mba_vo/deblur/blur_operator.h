@@ -38,6 +38,9 @@ class BlurOperator {
   /// 1 at the pixels of the blurred image that have a path on the grid, 0 at the others.
   const cv::Mat1f& seen() const { return seen_; }
 
+  /// Variance that blurring leaves of white noise of variance 1: the mean over the tiles of the squared taps' sum.
+  float noiseGain() const;
+
   /// blurred = A latent; 0 at pixels that are not seen.
   void apply(const cv::Mat1f& latent, cv::Mat1f& blurred) const;
   /// latent += A^T blurred.

@@ -13,7 +13,7 @@ struct TrajectoryDeblurConfig {
   int steps = 5;
   int iterations = 8;
   int frames = 1;
-  double max_misalignment_px = 0.5;
+  double max_misalignment_px = 1.0;
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {

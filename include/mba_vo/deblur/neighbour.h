@@ -30,6 +30,9 @@ struct NeighbourLevel {
   const DeblurNeighbour* neighbour;
   int level;
   BlurGeometry geometry;
+  // By how much the keyframe's pixels are found elsewhere than by geometry alone [px of the keyframe's level], spread
+  // evenly over the image; empty = nowhere.
+  cv::Mat2f correction;
 };
 
 /// The neighbour's image laid over the keyframe: at each pixel of the keyframe the intensity, in the keyframe's grey

@@ -23,7 +23,8 @@ class Observation {
   const BlurOperator& blur() const { return blur_; }
   const BlurredObservation& data() const { return data_; }
   int pixels() const { return cv::countNonZero(data_.weight); }  // with a weight
-  void ignore(const cv::Rect& area);
+  /// Adds a `variance` [grey levels^2] of each pixel to that of the noise; it may be of another resolution.
+  void distrust(const cv::Mat1f& variance);
 
   /// Rms of `latent` blurred again minus the image [standard deviations of the noise].
   float residual(const cv::Mat1f& latent) const;
