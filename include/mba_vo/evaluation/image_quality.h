@@ -28,12 +28,12 @@ struct DeblurRecord {
   bool measured = false;  // against a sharp image
   ImageQuality before, after;
   // Where a second frame could have been used:
-  std::optional<long long> second;    // which one was, counted from this one
-  std::string second_reason;          // why none was
-  double second_expected_gain = 0.0;  // [dB]
-  double second_shift_px = 0.0;       // against what was expected of it [px]
-  double second_residual = 0.0;       // as residual
-  ImageQuality alone;                 // without it
+  std::optional<long long> second = std::nullopt;  // which one was, counted from this one
+  std::string second_reason = {};                  // why none was
+  double second_expected_gain = 0.0;               // [dB]
+  double second_shift_px = 0.0;                    // against what was expected of it [px]
+  double second_residual = 0.0;                    // as residual
+  ImageQuality alone = {};                         // without it
   double milliseconds_alone = 0.0;
 };
 
