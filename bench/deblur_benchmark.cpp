@@ -1,5 +1,5 @@
-// Time of deblurring one keyframe of 752x480 along its path, by the length of the blur, one thread; and of the blur
-// operator alone.
+// Time of deblurring one keyframe of 752x480 along its path, by the length of the blur, one thread, with and without a
+// second frame; and of the blur operator alone.
 #include <benchmark/benchmark.h>
 
 #include <opencv2/core.hpp>
@@ -29,18 +29,25 @@ Vector6 turning(double blur_px) {
   return (Vector6() << 0, 0, 0, rate, rate, 0).finished();
 }
 
-DeblurInput makeInput(double blur_px) {
-  const Vector6 velocity = turning(blur_px);
+SimulatedFrame render(const Vector6& velocity) {
   const SE3 origin = simulator().pose(1.0);
-  const SimulatedFrame frame =
-      simulator().renderExposure([&](double t) { return origin * SE3::exp(t * velocity); }, 0.0, kExposure);
+  return simulator().renderExposure([&](double t) { return origin * SE3::exp(t * velocity); }, 0.0, kExposure);
+}
+
+std::shared_ptr<const ImagePyramid> pyramidOf(const SimulatedFrame& frame) {
   cv::Mat1f intensity;
   frame.blurred.convertTo(intensity, CV_32F);
+  return std::make_shared<const ImagePyramid>(intensity, simulator().camera(), 6);
+}
+
+DeblurInput makeInput(double blur_px) {
+  const Vector6 velocity = turning(blur_px);
+  const SimulatedFrame frame = render(velocity);
   DeblurInput input;
-  input.image = std::make_shared<const ImagePyramid>(intensity, simulator().camera(), 6);
+  input.image = pyramidOf(frame);
   input.motion = {SE3(), velocity, kExposure};
-  for (int y = 0; y < intensity.rows; y += kDepthSpacing) {
-    for (int x = 0; x < intensity.cols; x += kDepthSpacing) {
+  for (int y = 0; y < frame.depth.rows; y += kDepthSpacing) {
+    for (int x = 0; x < frame.depth.cols; x += kDepthSpacing) {
       input.depths.push_back({{static_cast<float>(x), static_cast<float>(y)}, 1.0F / frame.depth(y, x)});
     }
   }
@@ -54,6 +61,26 @@ void deblur(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(deblurrer.deblur(input));
 }
 BENCHMARK(deblur)->Arg(4)->Arg(10)->Arg(20)->Arg(40)->Unit(benchmark::kMillisecond);
+
+/// The second one is smeared as far, across.
+void deblurTwoFrames(benchmark::State& state) {
+  cv::setNumThreads(1);
+  const auto blur_px = static_cast<double>(state.range(0));
+  DeblurInput input = makeInput(blur_px);
+  Vector6 across = turning(blur_px);
+  across(3) = -across(3);
+  DeblurNeighbour neighbour;
+  neighbour.image = pyramidOf(render(across));
+  neighbour.motion = {SE3(), across, kExposure};
+  input.neighbours.push_back(neighbour);
+  TrajectoryDeblurConfig config;
+  config.frames = 2;
+  const TrajectoryDeblurrer deblurrer(config);
+  for (auto _ : state) {
+    if (!deblurrer.deblur(input).neighbour.sequence) state.SkipWithError("the second frame was not used");
+  }
+}
+BENCHMARK(deblurTwoFrames)->Arg(10)->Arg(20)->Arg(40)->Unit(benchmark::kMillisecond);
 
 void blurAndBack(benchmark::State& state) {
   const auto blur_px = static_cast<int>(state.range(0));

@@ -1,11 +1,14 @@
-# The command-line programs that need no ROS: tools/<name>.cpp becomes <name>.
+# The command-line programs that need no ROS: tools/<name>.cpp, with tools/<name>/*.cpp where there are any, becomes
+# <name>.
 function(mba_vo_tool name)
   if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/tools/${name}.cpp)
     set(target ${name})
     if(TARGET ${name})  # a module's library may have the same name
       set(target ${name}_program)
     endif()
-    add_executable(${target} tools/${name}.cpp)
+    file(GLOB parts CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/tools/${name}/*.cpp)
+    add_executable(${target} tools/${name}.cpp ${parts})
+    target_include_directories(${target} PRIVATE tools/${name})
     set_target_properties(${target} PROPERTIES OUTPUT_NAME ${name})
     mba_vo_options(${target})
     target_link_libraries(${target} PRIVATE CLI11::CLI11 ${ARGN})

@@ -1,11 +1,11 @@
 // Deblurs the images of a recorded sequence along the motion that a run of mba_vo_offline found, or along the true one
 // of a simulated sequence, and measures the result where sharp images are known.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
+#include <deque>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -17,11 +17,9 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "geometry_source.h"
 #include "mba_vo/evaluation/image_quality.h"
-#include "mba_vo/evaluation/pose_file.h"
 #include "mba_vo/io/photometric_files.h"
-#include "mba_vo/io/points_file.h"
-#include "mba_vo/io/recorded_motion.h"
 #include "mba_vo/io/sequence.h"
 #include "mba_vo/io/trajectory_writer.h"
 #include "mba_vo/odometry/config_yaml.h"
@@ -38,6 +36,7 @@ struct Arguments {
   std::string method = "trajectory";
   std::string images = "images";
   std::string sharp = "images_sharp";
+  int frames = 0;
   std::size_t every = 1;
   std::size_t pictures = 4;
 };
@@ -50,6 +49,9 @@ void describe(CLI::App& app, Arguments& a) {
   app.add_option("--config", a.config_file, "YAML file with options; mapper.deblur and image are used");
   app.add_option("--method", a.method, "none, trajectory, onnx or folder, in place of mapper.deblur.method")
       ->capture_default_str();
+  app.add_option("--frames", a.frames,
+                 "1, or 2: a neighbouring frame is used too if it helps, in place of mapper.deblur.trajectory.frames")
+      ->check(CLI::Range(1, 2));
   app.add_option("--images", a.images, "sub-folder with the blurred images")->capture_default_str();
   app.add_option("--sharp", a.sharp, "sub-folder with sharp images to compare with, if there is one")
       ->capture_default_str();
@@ -57,98 +59,16 @@ void describe(CLI::App& app, Arguments& a) {
   app.add_option("--pictures", a.pictures, "side-by-side pictures of the most blurred images")->capture_default_str();
 }
 
-std::int64_t nanoseconds(double seconds) { return std::llround(1e9 * seconds); }
+constexpr std::size_t kReach = 2;  // frames before and after that may help
 
-/// Where motion and depths of a frame come from.
-class GeometrySource {
- public:
-  virtual ~GeometrySource() = default;
-  virtual std::optional<mba_vo::FrameMotion> motion(std::int64_t mid_exposure_ns) const = 0;
-  virtual std::vector<mba_vo::DepthSample> depths(const mba_vo::PinholeCamera& camera,
-                                                  const mba_vo::FrameMotion& motion,
-                                                  const mba_vo::SequenceImage& image) const = 0;
-};
+/// An image of the sequence with what is known about it.
+struct Loaded {
+  mba_vo::SequenceImage image;
+  std::optional<mba_vo::SequenceImage> truth;
+  std::optional<mba_vo::FrameMotion> motion;
+  mba_vo::FrameConstPtr frame;  // null if the image cannot be read or its motion is unknown
 
-/// exposure_trajectory.txt and points.txt of a run.
-class EstimatedGeometry final : public GeometrySource {
- public:
-  explicit EstimatedGeometry(const std::string& folder)
-      : motion_(exposuresOf(folder)), points_(mba_vo::readPoints(folder + "/points.txt")) {}
-  std::optional<mba_vo::FrameMotion> motion(std::int64_t mid_exposure_ns) const override {
-    return motion_.at(mid_exposure_ns);
-  }
-  std::vector<mba_vo::DepthSample> depths(const mba_vo::PinholeCamera& camera, const mba_vo::FrameMotion& motion,
-                                          const mba_vo::SequenceImage& image) const override {
-    return mba_vo::depthsInFrame(points_, camera, motion, image.mid_exposure_ns);
-  }
-
- private:
-  static std::vector<mba_vo::RecordedExposure> exposuresOf(const std::string& folder) {
-    std::vector<mba_vo::RecordedExposure> exposures;
-    for (const mba_vo::PoseRecord& p : mba_vo::readPoseFile(folder + "/exposure_trajectory.txt")) {
-      exposures.push_back({nanoseconds(p.time), static_cast<mba_vo::MapId>(p.map),
-                           mba_vo::ExposureTrajectory::fromStartAndEnd(p.exposure->T_world_start,
-                                                                       p.exposure->T_world_end, p.exposure->exposure)});
-    }
-    return exposures;
-  }
-  mba_vo::RecordedMotion motion_;
-  std::vector<mba_vo::MapPoint> points_;
-};
-
-/// groundtruth.txt, groundtruth_exposure.txt and depth/ of a simulated sequence.
-class TrueGeometry final : public GeometrySource {
- public:
-  explicit TrueGeometry(const std::string& folder)
-      : folder_(folder),
-        mid_(mba_vo::readPoseFile(folder + "/groundtruth.txt")),
-        exposures_(mba_vo::readPoseFile(folder + "/groundtruth_exposure.txt")) {
-    if (mid_.size() != exposures_.size() || !exposures_.front().exposure) {
-      throw std::runtime_error(folder + ": groundtruth.txt and groundtruth_exposure.txt do not belong together");
-    }
-  }
-  /// The motion at constant acceleration through the true poses at start, middle and end.
-  std::optional<mba_vo::FrameMotion> motion(std::int64_t mid_exposure_ns) const override {
-    for (std::size_t i = 0; i < mid_.size(); ++i) {
-      constexpr std::int64_t kSameTime = 1000;  // [ns]
-      if (std::llabs(nanoseconds(mid_[i].time) - mid_exposure_ns) > kSameTime) continue;
-      const mba_vo::SE3 T_mid_world = mid_[i].T_world_camera.inverse();
-      const mba_vo::Vector6 start = (T_mid_world * exposures_[i].exposure->T_world_start).log();
-      const mba_vo::Vector6 end = (T_mid_world * exposures_[i].exposure->T_world_end).log();
-      const double exposure = exposures_[i].exposure->exposure;
-      mba_vo::FrameMotion motion;
-      motion.trajectory = {mid_[i].T_world_camera, (end - start) / exposure, exposure,
-                           4.0 / (exposure * exposure) * (start + end)};
-      motion.measured_velocity = motion.trajectory.velocity;
-      return motion;
-    }
-    return std::nullopt;
-  }
-  std::vector<mba_vo::DepthSample> depths(const mba_vo::PinholeCamera& /*camera*/,
-                                          const mba_vo::FrameMotion& /*motion*/,
-                                          const mba_vo::SequenceImage& image) const override {
-    constexpr int kSpacing = 6;                // [px]
-    constexpr float kUnitsPerMetre = 5000.0F;  // of the depth images
-    constexpr float kBeyond = 1.0F / 14.0F;    // inverse depth where the image has none [1/m]
-    char name[32];
-    std::snprintf(name, sizeof(name), "/depth/%06llu.png", static_cast<unsigned long long>(image.sequence));
-    const cv::Mat1w depth = cv::imread(folder_ + name, cv::IMREAD_UNCHANGED);
-    if (depth.empty()) throw std::runtime_error(folder_ + name + ": cannot be read (simulate with --depth)");
-    std::vector<mba_vo::DepthSample> samples;
-    for (int y = kSpacing / 2; y < depth.rows; y += kSpacing) {
-      for (int x = kSpacing / 2; x < depth.cols; x += kSpacing) {
-        const auto units = static_cast<float>(depth(y, x));
-        samples.push_back(
-            {{static_cast<float>(x), static_cast<float>(y)}, units > 0.0F ? kUnitsPerMetre / units : kBeyond});
-      }
-    }
-    return samples;
-  }
-
- private:
-  std::string folder_;
-  std::vector<mba_vo::PoseRecord> mid_;
-  std::vector<mba_vo::PoseRecord> exposures_;
+  std::shared_ptr<const mba_vo::ImagePyramid> pyramid() const { return {frame, &frame->pyramid}; }
 };
 
 /// Input, result and truth (if known) of one image.
@@ -158,6 +78,18 @@ struct Picture {
   cv::Mat side_by_side;
 };
 
+/// A result and the processor time it took [ms].
+struct Timed {
+  mba_vo::DeblurResult result;
+  double milliseconds;
+};
+
+Timed deblurTimed(const mba_vo::Deblurrer& deblurrer, const mba_vo::DeblurInput& input) {
+  const std::clock_t begin = std::clock();
+  mba_vo::DeblurResult result = deblurrer.deblur(input);
+  return {std::move(result), 1e3 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC};
+}
+
 class DeblurRun {
  public:
   DeblurRun(const Arguments& a, const mba_vo::OdometryConfig& config)
@@ -166,72 +98,135 @@ class DeblurRun {
         builder_(blurred_->calibration(),
                  mba_vo::loadPhotometricCalibration(config.image.response_file, config.image.vignette_file),
                  config.image),
-        deblurrer_(mba_vo::makeDeblurrer(config.mapper.deblur)) {
+        deblurrer_(mba_vo::makeDeblurrer(config.mapper.deblur)),
+        two_frames_(config.mapper.deblur.trajectory.frames > 1),
+        geometry_(a.run.empty() ? mba_vo::trueGeometry(a.sequence) : mba_vo::estimatedGeometry(a.run)) {
     if (fs::is_directory(fs::path(a.sequence) / a.sharp)) sharp_ = mba_vo::openSequenceFolder(a.sequence, a.sharp);
-    if (a.run.empty()) {
-      geometry_ = std::make_unique<TrueGeometry>(a.sequence);
-    } else {
-      geometry_ = std::make_unique<EstimatedGeometry>(a.run);
-    }
     fs::create_directories(fs::path(a.output) / "images");
   }
 
   void run() {
-    for (std::size_t i = 0;; ++i) {
-      const std::optional<mba_vo::SequenceImage> image = blurred_->next();
-      const std::optional<mba_vo::SequenceImage> truth = sharp_ ? sharp_->next() : std::nullopt;
-      if (!image) break;
-      if (i % arguments_.every == 0 && !image->image.empty()) process(*image, truth);
+    std::deque<Loaded> window;
+    std::size_t first = 0;  // position of the window's first image
+    for (std::size_t i = 0; i < blurred_->size(); ++i) {
+      while (first + window.size() <= i + kReach && load(window)) {
+      }
+      if (first + kReach < i) {
+        window.pop_front();
+        ++first;
+      }
+      if (i - first >= window.size()) break;
+      if (i % arguments_.every == 0 && window[i - first].frame) process(window, i - first);
     }
-    savePictures();
-    mba_vo::writeFile((fs::path(arguments_.output) / "deblur.csv").string(),
-                      [&](std::ostream& out) { mba_vo::writeDeblurRecords(records_, out); });
-    mba_vo::writeDeblurTable(records_, std::cout);
-    if (records_.empty()) throw std::runtime_error("no image has a known motion");
+    finish();
   }
 
  private:
+  void finish() const {
+    for (const Picture& p : pictures_) {
+      save(fs::path(arguments_.output) / ("compare_" + p.name + ".png"), p.side_by_side);
+    }
+    mba_vo::writeFile((fs::path(arguments_.output) / "deblur.csv").string(),
+                      [&](std::ostream& out) { mba_vo::writeDeblurRecords(records_, out); });
+    mba_vo::writeDeblurTable(records_, std::cout);
+    if (two_frames_) mba_vo::writeSecondFrameTable(records_, std::cout << "\n");
+    if (records_.empty()) throw std::runtime_error("no image has a known motion");
+  }
+
   mba_vo::FrameConstPtr build(const mba_vo::SequenceImage& image) const {
     return builder_.build(image.image, image.sequence, image.stamp_ns, image.mid_exposure_ns, image.exposure);
   }
 
-  void process(const mba_vo::SequenceImage& image, const std::optional<mba_vo::SequenceImage>& truth) {
-    const std::optional<mba_vo::FrameMotion> motion = geometry_->motion(image.mid_exposure_ns);
-    if (!motion) return;
-    const mba_vo::FrameConstPtr frame = build(image);
-    mba_vo::DeblurInput input;
-    input.image = std::shared_ptr<const mba_vo::ImagePyramid>(frame, &frame->pyramid);
-    input.sequence = image.sequence;
-    input.depths = geometry_->depths(frame->pyramid.level(0).camera, *motion, image);
-    input.motion = motion->trajectory;
-    input.motion.T_reference_mid = mba_vo::SE3();
-    input.other_velocity = motion->measured_velocity;
-    const auto begin = std::chrono::steady_clock::now();
-    const mba_vo::DeblurResult result = deblurrer_->deblur(input);
-    const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - begin;
+  bool load(std::deque<Loaded>& window) {
+    std::optional<mba_vo::SequenceImage> image = blurred_->next();
+    if (!image) return false;
+    Loaded loaded;
+    loaded.image = *image;
+    if (sharp_) loaded.truth = sharp_->next();
+    loaded.motion = geometry_->motion(image->mid_exposure_ns);
+    if (loaded.motion && !image->image.empty()) loaded.frame = build(*image);
+    window.push_back(std::move(loaded));
+    return true;
+  }
 
+  mba_vo::DeblurInput makeInput(const Loaded& own) const {
+    mba_vo::DeblurInput input;
+    input.image = own.pyramid();
+    input.sequence = own.image.sequence;
+    input.depths = geometry_->depths(input.image->level(0).camera, *own.motion, own.image);
+    input.motion = own.motion->trajectory;
+    input.motion.T_reference_mid = mba_vo::SE3();
+    input.other_velocity = own.motion->measured_velocity;
+    return input;
+  }
+
+  /// Their brightness is taken to be that of the keyframe: no file of a run has it.
+  static std::vector<mba_vo::DeblurNeighbour> neighboursOf(const std::deque<Loaded>& window, std::size_t own) {
+    std::vector<mba_vo::DeblurNeighbour> neighbours;
+    const mba_vo::FrameMotion& keyframe = *window[own].motion;
+    for (std::size_t i = 0; i < window.size(); ++i) {
+      const Loaded& other = window[i];
+      if (i == own || !other.frame || other.motion->map_id != keyframe.map_id) continue;
+      mba_vo::DeblurNeighbour neighbour;
+      neighbour.image = other.pyramid();
+      neighbour.sequence = other.image.sequence;
+      neighbour.motion = other.motion->trajectory;
+      neighbour.motion.T_reference_mid =
+          keyframe.trajectory.T_reference_mid.inverse() * other.motion->trajectory.T_reference_mid;
+      neighbours.push_back(neighbour);
+    }
+    return neighbours;
+  }
+
+  void process(const std::deque<Loaded>& window, std::size_t own) {
+    const Loaded& loaded = window[own];
+    mba_vo::DeblurInput input = makeInput(loaded);
+    if (two_frames_) input.neighbours = neighboursOf(window, own);
+    const Timed timed = deblurTimed(*deblurrer_, input);
+    mba_vo::DeblurRecord record = makeRecord(timed, input.sequence);
+    const cv::Mat1f before = input.image->level(0).intensity;
+    const cv::Mat1f after = timed.result.image->level(0).intensity;
+    std::vector<cv::Mat> row{before};
+    std::optional<cv::Mat1f> sharp;
+    if (loaded.truth && !loaded.truth->image.empty()) sharp = build(*loaded.truth)->pyramid.level(0).intensity;
+    if (timed.result.neighbour.sequence) {
+      input.neighbours.clear();
+      const Timed alone = deblurTimed(*deblurrer_, input);
+      record.milliseconds_alone = alone.milliseconds;
+      row.push_back(alone.result.image->level(0).intensity);
+      if (sharp) record.alone = mba_vo::compareImages(alone.result.image->level(0).intensity, *sharp);
+    }
+    row.push_back(after);
+    if (sharp) {
+      record.measured = true;
+      record.before = mba_vo::compareImages(before, *sharp);
+      record.after = mba_vo::compareImages(after, *sharp);
+      row.push_back(*sharp);
+    }
+    records_.push_back(record);
+    save(fs::path(arguments_.output) / "images" / (record.name + ".png"), after);
+    keepPicture(record, row);
+  }
+
+  static mba_vo::DeblurRecord makeRecord(const Timed& timed, std::uint64_t sequence) {
     char name[32];
-    std::snprintf(name, sizeof(name), "%06llu", static_cast<unsigned long long>(image.sequence));
+    std::snprintf(name, sizeof(name), "%06llu", static_cast<unsigned long long>(sequence));
+    const mba_vo::DeblurResult& result = timed.result;
     mba_vo::DeblurRecord record;
     record.name = name;
     record.blur_px = static_cast<double>(result.blur_px);
     record.sharpened = result.sharpened;
     record.reason = result.reason;
     record.residual = static_cast<double>(result.residual);
-    record.milliseconds = time.count();
-    const cv::Mat1f before = input.image->level(0).intensity;
-    const cv::Mat1f after = result.image->level(0).intensity;
-    std::vector<cv::Mat> row{before, after};
-    if (truth && !truth->image.empty()) {
-      const cv::Mat1f sharp = build(*truth)->pyramid.level(0).intensity;
-      record.measured = true;
-      record.before = mba_vo::compareImages(before, sharp);
-      record.after = mba_vo::compareImages(after, sharp);
-      row.emplace_back(sharp);
+    record.milliseconds = timed.milliseconds;
+    if (result.neighbour.sequence) {
+      record.second = static_cast<long long>(*result.neighbour.sequence) - static_cast<long long>(sequence);
     }
-    records_.push_back(record);
-    save(fs::path(arguments_.output) / "images" / (record.name + ".png"), after);
-    keepPicture(record, row);
+    record.second_reason = result.neighbour.reason;
+    record.second_expected_gain = static_cast<double>(result.neighbour.expected_gain_db);
+    record.second_shift_px = static_cast<double>(result.neighbour.shift_px);
+    record.second_residual = static_cast<double>(result.neighbour.residual);
+    return record;
   }
 
   void keepPicture(const mba_vo::DeblurRecord& record, const std::vector<cv::Mat>& row) {
@@ -242,11 +237,6 @@ class DeblurRun {
     std::sort(pictures_.begin(), pictures_.end(),
               [](const Picture& a, const Picture& b) { return a.blur_px > b.blur_px; });
     if (pictures_.size() > arguments_.pictures) pictures_.pop_back();
-  }
-
-  void savePictures() const {
-    for (const Picture& p : pictures_)
-      save(fs::path(arguments_.output) / ("compare_" + p.name + ".png"), p.side_by_side);
   }
 
   static void save(const fs::path& file, const cv::Mat& image) {
@@ -260,7 +250,8 @@ class DeblurRun {
   std::unique_ptr<mba_vo::SequenceReader> sharp_;
   mba_vo::FrameBuilder builder_;
   std::unique_ptr<mba_vo::Deblurrer> deblurrer_;
-  std::unique_ptr<GeometrySource> geometry_;
+  bool two_frames_;
+  std::unique_ptr<mba_vo::GeometrySource> geometry_;
   std::vector<mba_vo::DeblurRecord> records_;
   std::vector<Picture> pictures_;
 };
@@ -270,6 +261,7 @@ void run(const Arguments& a) {
   if (!a.config_file.empty()) config = mba_vo::loadConfig(a.config_file);
   mba_vo::finalize(config);
   config.mapper.deblur.method = a.method;
+  if (a.frames > 0) config.mapper.deblur.trajectory.frames = a.frames;
   DeblurRun(a, config).run();
 }
 

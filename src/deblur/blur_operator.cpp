@@ -10,9 +10,7 @@ namespace mba_vo {
 namespace {
 
 constexpr int kTile = BlurOperator::kTile;
-constexpr float kSpacing = 0.5F;          // of samples along a path [px]
-constexpr int kDepthIterations = 3;       // of the place that a pixel looks at and the depth there
-constexpr float kLeastShortening = 0.1F;  // of a path by a rolling shutter
+constexpr float kSpacing = 0.5F;  // of samples along a path [px]
 
 /// A row of a tile, wherever it begins in memory.
 using Lanes [[gnu::vector_size(kTile * sizeof(float)), gnu::aligned(4), gnu::may_alias]] = float;
@@ -24,15 +22,14 @@ int roundUp(int n) { return (n + kTile - 1) / kTile * kTile; }
 class BlurOperator::Builder {
  public:
   Builder(const BlurGeometry& geometry, const cv::Mat1f& inverse_depth, BlurOperator& out)
-      : geometry_(geometry),
+      : size_(geometry.latent_camera.width, geometry.latent_camera.height),
         inverse_depth_(inverse_depth),
-        maker_(geometry.latent_camera, geometry.camera, geometry.trajectory,
-               {geometry.trajectory.velocity, geometry.trajectory.velocity}),
+        maker_(geometry),
         out_(out) {}
 
   void build() {
-    for (int y = 0; y < geometry_.camera.height; y += kTile) {
-      for (int x = 0; x < geometry_.camera.width; x += kTile) addTile(x, y);
+    for (int y = 0; y < size_.height; y += kTile) {
+      for (int x = 0; x < size_.width; x += kTile) addTile(x, y);
     }
   }
 
@@ -40,8 +37,9 @@ class BlurOperator::Builder {
   void addTile(int x, int y) {
     constexpr float kCentre = 0.5F * (kTile - 1);
     const Eigen::Vector2f centre(static_cast<float>(x) + kCentre, static_cast<float>(y) + kCentre);
-    PatchPath path;
-    if (!makePath(centre, path)) return;
+    LatentPath seen;
+    if (!maker_.make(centre.cast<double>(), static_cast<double>(depthAt(centre)), seen)) return;
+    const PatchPath& path = seen.path;
     const int samples = std::max(1, static_cast<int>(std::ceil(path.length() / kSpacing)));
     const auto shift = [&](int i) {
       const float u = (static_cast<float>(i) + 0.5F) / static_cast<float>(samples) - 0.5F;
@@ -64,29 +62,6 @@ class BlurOperator::Builder {
     return inverse_depth_(static_cast<int>(std::lround(y)), static_cast<int>(std::lround(x)));
   }
 
-  /// The path for the depth that the sharp image has where the pixel looks at mid-exposure.
-  bool makePath(const Eigen::Vector2f& pixel, PatchPath& path) const {
-    const Eigen::Vector2d p = pixel.cast<double>();
-    float depth = depthAt(pixel);
-    for (int i = 0; i < kDepthIterations; ++i) {
-      if (!maker_.makeWithoutPose(p, static_cast<double>(depth), path, p.y())) return false;
-      depth = depthAt(path.c0);
-    }
-    followRows(path);
-    return path.c0.allFinite() && path.c1.allFinite() && path.c2.allFinite();
-  }
-
-  /// With a rolling shutter the sharp image's rows are exposed at their own times, too: what is seen d rows further
-  /// down has moved by -d row_time / exposure paths until that row's time.
-  void followRows(PatchPath& path) const {
-    const double row_time = geometry_.latent_camera.row_time;
-    if (row_time == 0.0 || geometry_.trajectory.exposure <= 0.0) return;
-    const auto rows = static_cast<float>(row_time / geometry_.trajectory.exposure);
-    const float shortening = 1.0F / std::max(kLeastShortening, 1.0F + rows * path.c1.y());
-    path.c1 *= shortening;
-    path.c2 *= shortening;
-  }
-
   void collect(int x, int y) {
     const int margin = out_.grid_.margin;
     const cv::Size size = out_.grid_.size;
@@ -101,25 +76,32 @@ class BlurOperator::Builder {
     accumulator_.forEach([&](int dx, int dy, float weight) { out_.taps_.push_back({dy * size.width + dx, weight}); });
     tile.taps = static_cast<std::int32_t>(out_.taps_.size()) - tile.first_tap;
     out_.tiles_.push_back(tile);
-    const cv::Rect image(0, 0, geometry_.camera.width, geometry_.camera.height);
-    out_.seen_(cv::Rect(x, y, kTile, kTile) & image).setTo(1.0F);
+    out_.seen_(cv::Rect(x, y, kTile, kTile) & cv::Rect({0, 0}, size_)).setTo(1.0F);
   }
 
-  BlurGeometry geometry_;
+  cv::Size size_;
   const cv::Mat1f& inverse_depth_;
-  FixedMotionPathMaker maker_;
+  LatentPathMaker maker_;
   BlurOperator& out_;
   TapAccumulator accumulator_;
 };
 
 BlurOperator::BlurOperator(const BlurGeometry& geometry, const cv::Mat1f& inverse_depth, const LatentGrid& grid)
-    : grid_(grid), observed_(roundUp(geometry.camera.width), roundUp(geometry.camera.height)), seen_(observed_, 0.0F) {
+    : grid_(grid),
+      observed_(roundUp(geometry.latent_camera.width), roundUp(geometry.latent_camera.height)),
+      seen_(observed_, 0.0F) {
   Builder(geometry, inverse_depth, *this).build();
 }
 
 LatentGrid BlurOperator::gridFor(const PinholeCamera& latent_camera, int reach_px) {
   const int margin = reach_px + kTile;
   return {margin, {roundUp(latent_camera.width) + 2 * margin, roundUp(latent_camera.height) + 2 * margin}};
+}
+
+float BlurOperator::noiseGain() const {
+  double sum = 0.0;
+  for (const Tap& tap : taps_) sum += static_cast<double>(tap.weight * tap.weight);
+  return tiles_.empty() ? 1.0F : static_cast<float>(sum / static_cast<double>(tiles_.size()));
 }
 
 void BlurOperator::apply(const cv::Mat1f& latent, cv::Mat1f& blurred) const {

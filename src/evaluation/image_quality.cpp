@@ -69,9 +69,13 @@ struct RangeSums {
   }
 };
 
-void writeRow(const BlurRange& range, const RangeSums& sums, std::ostream& out) {
+void writeRange(const BlurRange& range, std::ostream& out) {
   out << "| " << std::setprecision(1) << range.from << (range.to < 1e8 ? " to " : " and more");
   if (range.to < 1e8) out << range.to;
+}
+
+void writeRow(const BlurRange& range, const RangeSums& sums, std::ostream& out) {
+  writeRange(range, out);
   out << " | " << sums.images << " | " << sums.sharpened << " | ";
   const double n = sums.measured;
   if (sums.measured == 0) {
@@ -87,6 +91,62 @@ void writeRow(const BlurRange& range, const RangeSums& sums, std::ostream& out) 
   out << " |\n";
 }
 
+/// Sums over those images of one range for which a second frame was used, but for `gain_one` and `gain`.
+struct SecondFrameSums {
+  int images = 0, used = 0;
+  double gain_one = 0.0, gain = 0.0;  // of all images [dB]
+  double used_one = 0.0, used_two = 0.0;
+  double least = std::numeric_limits<double>::infinity();  // gain of two over one [dB]
+  double ssim_one = 0.0, ssim_two = 0.0;
+  double milliseconds_one = 0.0, milliseconds_two = 0.0;
+
+  void add(const DeblurRecord& r) {
+    if (!r.measured) return;
+    ++images;
+    const double two = r.after.psnr - r.before.psnr;
+    const double one = r.second ? r.alone.psnr - r.before.psnr : two;
+    gain_one += one;
+    gain += two;
+    if (!r.second) return;
+    ++used;
+    used_one += one;
+    used_two += two;
+    least = std::min(least, two - one);
+    ssim_one += r.alone.ssim;
+    ssim_two += r.after.ssim;
+    milliseconds_one += r.milliseconds_alone;
+    milliseconds_two += r.milliseconds;
+  }
+};
+
+void writeRow(const BlurRange& range, const SecondFrameSums& sums, std::ostream& out) {
+  writeRange(range, out);
+  const double n = sums.images;
+  out << " | " << sums.images << std::setprecision(2) << " | " << sums.gain_one / n << " | " << sums.gain / n << " | "
+      << sums.used << " | ";
+  if (sums.used == 0) {
+    out << "| | | | | | |\n";
+    return;
+  }
+  const double m = sums.used;
+  out << sums.used_one / m << " | " << sums.used_two / m << " | " << sums.least << " | " << std::setprecision(3)
+      << sums.ssim_one / m << " | " << sums.ssim_two / m << " | " << std::setprecision(0) << sums.milliseconds_one / m
+      << " | " << sums.milliseconds_two / m << " |\n";
+}
+
+void writeSecond(const DeblurRecord& r, std::ostream& out) {
+  if (r.second) out << *r.second;
+  out << ',' << r.second_reason << std::setprecision(2) << ',' << r.second_expected_gain << ',' << r.second_shift_px
+      << ',' << r.second_residual << ',';
+  if (r.second) {
+    if (r.measured) out << std::setprecision(3) << r.alone.psnr << ',' << std::setprecision(4) << r.alone.ssim;
+    if (!r.measured) out << ',';
+    out << ',' << std::setprecision(1) << r.milliseconds_alone << '\n';
+  } else {
+    out << ",,\n";
+  }
+}
+
 }  // namespace
 
 ImageQuality compareImages(const cv::Mat1f& image, const cv::Mat1f& truth) {
@@ -100,17 +160,20 @@ ImageQuality compareImages(const cv::Mat1f& image, const cv::Mat1f& truth) {
 }
 
 void writeDeblurRecords(const std::vector<DeblurRecord>& records, std::ostream& out) {
-  out << "image,blur_px,sharpened,reason,residual,milliseconds,psnr_before,psnr_after,ssim_before,ssim_after\n"
+  out << "image,blur_px,sharpened,reason,residual,milliseconds,psnr_before,psnr_after,ssim_before,ssim_after,"
+         "second,second_reason,second_expected_gain,second_shift_px,second_residual,psnr_alone,ssim_alone,"
+         "milliseconds_alone\n"
       << std::fixed;
   for (const DeblurRecord& r : records) {
     out << r.name << ',' << std::setprecision(2) << r.blur_px << ',' << (r.sharpened ? 1 : 0) << ',' << r.reason << ','
         << std::setprecision(3) << r.residual << ',' << std::setprecision(1) << r.milliseconds << ',';
     if (r.measured) {
       out << std::setprecision(3) << r.before.psnr << ',' << r.after.psnr << ',' << std::setprecision(4)
-          << r.before.ssim << ',' << r.after.ssim << '\n';
+          << r.before.ssim << ',' << r.after.ssim << ',';
     } else {
-      out << ",,,\n";
+      out << ",,,,";
     }
+    writeSecond(r, out);
   }
 }
 
@@ -120,6 +183,20 @@ void writeDeblurTable(const std::vector<DeblurRecord>& records, std::ostream& ou
       << std::fixed;
   for (const BlurRange& range : kRanges) {
     RangeSums sums;
+    for (const DeblurRecord& record : records) {
+      if (record.blur_px >= range.from && record.blur_px < range.to) sums.add(record);
+    }
+    if (sums.images > 0) writeRow(range, sums, out);
+  }
+}
+
+void writeSecondFrameTable(const std::vector<DeblurRecord>& records, std::ostream& out) {
+  out << "| blur [px] | images | gain, one frame [dB] | gain, up to two | with a second frame | their gain with one | "
+         "with two | least, two over one | SSIM with one | with two | time with one [ms] | with two |\n"
+         "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n"
+      << std::fixed;
+  for (const BlurRange& range : kRanges) {
+    SecondFrameSums sums;
     for (const DeblurRecord& record : records) {
       if (record.blur_px >= range.from && record.blur_px < range.to) sums.add(record);
     }

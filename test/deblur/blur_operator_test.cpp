@@ -74,6 +74,17 @@ TEST(BlurOperator, KeepsTheMean) {
   EXPECT_LT(cv::norm(blurred(image), cv::Mat1f(image.size(), 50.0F), cv::NORM_INF), 1e-3);
 }
 
+TEST(BlurOperator, KnowsWhatItLeavesOfNoise) {
+  const BlurOperator blur = makeOperator(turningMotion());
+  cv::Mat1f noise(blur.grid().size);
+  cv::RNG(3).fill(noise, cv::RNG::NORMAL, 0.0, 1.0);
+  cv::Mat1f blurred;
+  blur.apply(noise, blurred);
+  const double left = blurred.dot(blurred) / cv::countNonZero(blur.seen());
+  EXPECT_NEAR(static_cast<double>(blur.noiseGain()), left, 0.15 * left);
+  EXPECT_LT(left, 0.3);
+}
+
 TEST(BlurOperator, WithoutMotionNothingChanges) {
   const BlurOperator blur = makeOperator({SE3(), Vector6::Zero(), 0.02});
   const cv::Mat1f sharp = randomImage(blur.grid().size, 3);
@@ -163,7 +174,8 @@ TEST(BlurOperator, FollowsTheRowsOfARollingShutter) {
   ExposureTrajectory motion;
   motion.exposure = 0.02;
   motion.velocity(3) = 2.0;
-  const BlurOperator blur({camera, camera, motion}, cv::Mat1f(240, 64, 0.5F), BlurOperator::gridFor(camera, 20));
+  const BlurOperator blur({camera, camera, motion, motion.velocity}, cv::Mat1f(240, 64, 0.5F),
+                          BlurOperator::gridFor(camera, 20));
   cv::Mat1f sharp(blur.grid().size);
   for (int y = 0; y < sharp.rows; ++y) {
     const auto row = static_cast<float>(y - blur.grid().margin);

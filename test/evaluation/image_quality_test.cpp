@@ -63,7 +63,28 @@ TEST(DeblurTable, HasMeansByLengthOfTheBlur) {
   EXPECT_THAT(table.str(), HasSubstr("| 0.0 to 4.0 | 1 | 0 | 40.00 | 40.00 | 0.00 |  | 0.990 | 0.990 |  |"));
   std::ostringstream csv;
   writeDeblurRecords(records, csv);
-  EXPECT_THAT(csv.str(), HasSubstr("\n000001,10.00,1,,1.100,200.0,30.000,34.000,0.8000,0.9000\n"));
+  EXPECT_THAT(csv.str(), HasSubstr("\n000001,10.00,1,,1.100,200.0,30.000,34.000,0.8000,0.9000,,,0.00,0.00,0.00,,,\n"));
+}
+
+TEST(DeblurTable, TellsWhatASecondFrameGains) {
+  std::vector<DeblurRecord> records(2);
+  records[0] = {"000001", 10.0, true, "", 1.1, 500.0, true, {30.0, 0.8}, {36.0, 0.95}};
+  records[0].second = -2;
+  records[0].second_expected_gain = 2.5;
+  records[0].second_shift_px = 0.1;
+  records[0].second_residual = 1.2;
+  records[0].alone = {33.0, 0.9};
+  records[0].milliseconds_alone = 200.0;
+  records[1] = {"000002", 15.0, true, "", 1.2, 300.0, true, {28.0, 0.7}, {29.0, 0.8}};
+  records[1].second_reason = "blurred alike";
+  std::ostringstream table;
+  writeSecondFrameTable(records, table);
+  EXPECT_THAT(table.str(),
+              HasSubstr("| 8.0 to 20.0 | 2 | 2.00 | 3.50 | 1 | 3.00 | 6.00 | 3.00 | 0.900 | 0.950 | 200 | 500 |"));
+  std::ostringstream csv;
+  writeDeblurRecords(records, csv);
+  EXPECT_THAT(csv.str(), HasSubstr(",0.9500,-2,,2.50,0.10,1.20,33.000,0.9000,200.0\n"));
+  EXPECT_THAT(csv.str(), HasSubstr(",0.8000,,blurred alike,0.00,0.00,0.00,,,\n"));
 }
 
 }  // namespace

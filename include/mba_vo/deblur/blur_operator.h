@@ -5,16 +5,9 @@
 
 #include <opencv2/core.hpp>
 
-#include "mba_vo/blur/fixed_motion_path.h"
+#include "mba_vo/deblur/latent_path.h"
 
 namespace mba_vo {
-
-/// How an image is seen from a sharp one: where the camera was during its exposure, in the axes of the sharp image.
-struct BlurGeometry {
-  PinholeCamera latent_camera;    // of the sharp image
-  PinholeCamera camera;           // of the blurred image
-  ExposureTrajectory trajectory;  // T_reference_mid: blurred image's camera to sharp image's camera
-};
 
 /// The grid of unknowns: the sharp image with a margin all around, because the blurred image's border has seen what is
 /// beyond it.
@@ -23,9 +16,11 @@ struct LatentGrid {
   cv::Size size;   // with margins, the image's own sides rounded up to whole tiles
 };
 
-/// The linear map A from a sharp image to the blurred one: (A L)(x) is the mean of L along the path of pixel x (Eq. 7).
-/// The paths are those of `blur/`, made once per tile of 8x8 pixels: each tile becomes a list of weighted taps that all
-/// its pixels share. So both A and its transpose are nothing but sums of shifted rows, some ten times as fast as
+/// The linear map A from a sharp image to the blurred one laid over it: (A L)(x) is the mean of L along the path (Eq.
+/// 7) that takes the blurred image's pixel through x of the sharp one at mid-exposure. For a keyframe and its sharp
+/// image the two pixels are the same; a neighbouring frame's image is laid over the keyframe by `overlay`. The paths
+/// are those of `blur/`, made once per tile of 8x8 pixels: each tile becomes a list of weighted taps that all its
+/// pixels share. So both A and its transpose are nothing but sums of shifted rows, some ten times as fast as
 /// interpolating for every pixel, and exact transposes of each other.
 class BlurOperator {
  public:
@@ -38,10 +33,13 @@ class BlurOperator {
   static LatentGrid gridFor(const PinholeCamera& latent_camera, int reach_px);
 
   const LatentGrid& grid() const { return grid_; }
-  /// Size of the blurred image, rounded up to whole tiles.
+  /// Size of the blurred image laid over the sharp one, whose size it has, rounded up to whole tiles.
   cv::Size observedSize() const { return observed_; }
   /// 1 at the pixels of the blurred image that have a path on the grid, 0 at the others.
   const cv::Mat1f& seen() const { return seen_; }
+
+  /// Variance that blurring leaves of white noise of variance 1: the mean over the tiles of the squared taps' sum.
+  float noiseGain() const;
 
   /// blurred = A latent; 0 at pixels that are not seen.
   void apply(const cv::Mat1f& latent, cv::Mat1f& blurred) const;

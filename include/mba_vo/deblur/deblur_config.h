@@ -12,6 +12,8 @@ struct TrajectoryDeblurConfig {
   double max_disagreement = 0.3;
   int steps = 5;
   int iterations = 8;
+  int frames = 1;
+  double max_misalignment_px = 1.0;
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
@@ -23,6 +25,9 @@ struct TrajectoryDeblurConfig {
       "difference of two measurements of the motion up to which it is trusted, relative to the blur");
     v("steps", c.steps, 1, 20, "steps of the half-quadratic splitting");
     v("iterations", c.iterations, 1, 100, "iterations of conjugate gradients in a step");
+    v("frames", c.frames, 1, 2, "2: a frame before or after that is blurred otherwise is used as well, if it fits");
+    v("max_misalignment_px", c.max_misalignment_px, 0.01, 10.0,
+      "median shift between that frame and what is expected of it up to which it is used [px]");
   }
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -26,6 +27,14 @@ struct DeblurRecord {
   double milliseconds = 0.0;
   bool measured = false;  // against a sharp image
   ImageQuality before, after;
+  // Where a second frame could have been used:
+  std::optional<long long> second = std::nullopt;  // which one was, counted from this one
+  std::string second_reason = {};                  // why none was
+  double second_expected_gain = 0.0;               // [dB]
+  double second_shift_px = 0.0;                    // against what was expected of it [px]
+  double second_residual = 0.0;                    // as residual
+  ImageQuality alone = {};                         // without it
+  double milliseconds_alone = 0.0;
 };
 
 /// deblur.csv: one row per image.
@@ -33,5 +42,8 @@ void writeDeblurRecords(const std::vector<DeblurRecord>& records, std::ostream& 
 
 /// Means by length of the blur, as a table in Markdown.
 void writeDeblurTable(const std::vector<DeblurRecord>& records, std::ostream& out);
+
+/// What a second frame gains over one alone, by length of the blur, as a table in Markdown.
+void writeSecondFrameTable(const std::vector<DeblurRecord>& records, std::ostream& out);
 
 }  // namespace mba_vo

@@ -1,0 +1,7 @@
+#pragma once
+
+namespace mba_vo {
+
+constexpr float kSaturated = 254.0F;  // [grey levels] from here on a pixel tells only that it is bright
+
+}  // namespace mba_vo
