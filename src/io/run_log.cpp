@@ -18,12 +18,12 @@ void takeTracking(const TrackedFrame& tracked, FrameRecord& record) {
   record.exposure = tracked.frame->exposure;
   record.reason = tracked.reason;
   if (tracked.tracked()) {
-    record.blur_length_px = tracked.measures.blur_length_px;
+    record.blur_length_px = static_cast<float>(tracked.measures.blur_length_px);
     record.points_used = tracked.points_used;
-    record.residual_rms = tracked.residual_rms;
-    record.pixel_error = tracked.pixel_error;
+    record.residual_rms = static_cast<float>(tracked.residual_rms);
+    record.pixel_error = static_cast<float>(tracked.pixel_error);
   }
-  record.tracking_ms += tracked.tracking_ms;
+  record.tracking_ms += static_cast<float>(tracked.tracking_ms);
 }
 
 }  // namespace
@@ -31,7 +31,7 @@ void takeTracking(const TrackedFrame& tracked, FrameRecord& record) {
 void RunLog::add(const OdometryResult& result, const std::string& warning) {
   if (result.tracked) addFrame(*result.tracked, warning);
   if (frames_.empty()) return;
-  frames_.back().mapping_ms += result.mapping_ms;
+  frames_.back().mapping_ms += static_cast<float>(result.mapping_ms);
   for (const MapperOutput& mapping : result.mapping) {
     appendText(frames_.back().message, mapping.message);
     if (mapping.keyframe) keyframes_.push_back(*mapping.keyframe);
@@ -58,7 +58,7 @@ void RunLog::addLate(const TrackedFrame& late) {
   if (found == frames_.rend()) return;
   const bool had_pose = found->points_used.has_value();
   if (had_pose && !late.tracked()) {
-    found->tracking_ms += late.tracking_ms;  // in vain
+    found->tracking_ms += static_cast<float>(late.tracking_ms);  // in vain
     return;
   }
   takeTracking(late, *found);
@@ -81,7 +81,7 @@ void RunLog::settle(const std::vector<TrajectoryEntry>& trajectory) {
   for (const TrajectoryEntry& entry : trajectory) {
     map_of_frame[entry.frame_sequence] = entry.map_id;
   }
-  const std::string tracking = toString(TrackingStatus::kTracking);
+  const std::string_view tracking = toString(TrackingStatus::kTracking);
   for (FrameRecord& frame : frames_) {
     const auto found = map_of_frame.find(frame.sequence);
     const bool was_tracked = frame.points_used.has_value();
@@ -94,7 +94,7 @@ void RunLog::settle(const std::vector<TrajectoryEntry>& trajectory) {
         frame.status = tracking;
       }
     } else if (was_tracked) {
-      appendText(frame.reason, "pose given up by the mapper, was " + frame.status);
+      appendText(frame.reason, "pose given up by the mapper, was " + std::string(frame.status));
       frame.status = toString(TrackingStatus::kLost);
     }
   }

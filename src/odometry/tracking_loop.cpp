@@ -124,6 +124,10 @@ class TrackingLoop::Impl {
   }
 
   const SE3& T_odom_camera() const { return T_odom_camera_; }
+  std::optional<SE3> predicted_T_odom_camera(std::int64_t mid_exposure_ns) const {
+    if (!reference_ || !lost_.lost()) return std::nullopt;
+    return T_odom_reference_ * state_.constantVelocityAt(mid_exposure_ns);
+  }
   SE3 T_map_odom() const { return reference_ ? reference_->T_map_reference * T_odom_reference_.inverse() : SE3(); }
   ReferenceConstPtr reference() const { return reference_; }
 
@@ -272,6 +276,9 @@ bool TrackingLoop::goesAhead() const { return impl_->goesAhead(); }
 bool TrackingLoop::catchesUp() const { return impl_->catchesUp(); }
 void TrackingLoop::reset() { impl_->reset(); }
 const SE3& TrackingLoop::T_odom_camera() const { return impl_->T_odom_camera(); }
+std::optional<SE3> TrackingLoop::predicted_T_odom_camera(std::int64_t mid_exposure_ns) const {
+  return impl_->predicted_T_odom_camera(mid_exposure_ns);
+}
 SE3 TrackingLoop::T_map_odom() const { return impl_->T_map_odom(); }
 ReferenceConstPtr TrackingLoop::reference() const { return impl_->reference(); }
 

@@ -1,4 +1,5 @@
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -37,6 +38,27 @@ TEST(TrackingLoop, BeginsANewMapAfterBeingLostAndOdometryGoesOnFromThere) {
   EXPECT_EQ(tracked->reference.map_id, 2U);
   EXPECT_LT(distance(last.inverse() * loop.T_odom_camera(), truth(6, 7)), kClose);
   expectConsistent(loop, *tracked);
+}
+
+TEST(TrackingLoop, PredictsWhileLostAndOnlyThen) {
+  TrackingLoop loop{OdometryConfig()};
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  const TrackedFrameConstPtr last = loop.process(frame(1));
+  const SE3 T_odom_last = loop.T_odom_camera();
+  EXPECT_FALSE(loop.predicted_T_odom_camera(last->frame->mid_exposure_ns + 1));
+  const TrackedFrameConstPtr covered = loop.process(blank(0.1));
+  ASSERT_EQ(covered->status, TrackingStatus::kLost);
+  const double dt = 1e-9 * static_cast<double>(covered->frame->mid_exposure_ns - last->frame->mid_exposure_ns);
+  const std::optional<SE3> predicted = loop.predicted_T_odom_camera(covered->frame->mid_exposure_ns);
+  ASSERT_TRUE(predicted);
+  EXPECT_LT(distance(*predicted, T_odom_last * SE3::exp(dt * last->trajectory.velocity)), 1e-9);
+  EXPECT_GT(distance(*predicted, T_odom_last), 1e-3);
+  EXPECT_LT(distance(loop.T_odom_camera(), T_odom_last), 1e-12);  // that is still where it was last measured
+  EXPECT_TRUE(loop.process(later(toFloat(view(2).blurred), 0.2))->tracked());
+  EXPECT_FALSE(loop.predicted_T_odom_camera(covered->frame->mid_exposure_ns));
+  loop.process(blank(0.3));
+  loop.reset();
+  EXPECT_FALSE(loop.predicted_T_odom_camera(covered->frame->mid_exposure_ns));
 }
 
 TEST(TrackingLoop, ACoveredLensCostsNoMap) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mba_vo/io/sequence.h"
@@ -11,24 +12,24 @@
 
 namespace mba_vo {
 
-/// What became of one input image: a row of frames.csv.
+/// What became of one input image: a row of frames.csv. One is kept for each image of a run, so it is small.
 struct FrameRecord {
   std::uint64_t sequence = 0;
   std::int64_t stamp_ns = 0;         // as recorded [ns]
   std::int64_t mid_exposure_ns = 0;  // [ns]
   std::optional<double> exposure;    // given to the tracker [s]; nullopt = unknown
-  std::string status;                // TRACKING, DEGRADED: it has a pose; INITIALIZING, LOST, REJECTED: it has none
+  std::string_view status;  // a literal: TRACKING, DEGRADED: it has a pose; INITIALIZING, LOST, REJECTED: it has none
   std::string reason;
-  std::optional<MapId> map;              // of its pose
-  std::optional<double> blur_length_px;  // [px]; these four only if the tracker itself found the pose
+  std::string message;                  // of the mapper
+  std::optional<MapId> map;             // of its pose
+  std::optional<float> blur_length_px;  // [px]; these four only if the tracker itself found the pose
   std::optional<int> points_used;
-  std::optional<double> residual_rms;  // [grey levels]
-  std::optional<double> pixel_error;   // [px]
-  double tracking_ms = 0.0;
-  double mapping_ms = 0.0;
-  std::string message;  // of the mapper
-
+  std::optional<float> residual_rms;  // [grey levels]
+  std::optional<float> pixel_error;   // [px]
+  float tracking_ms = 0.0F;
+  float mapping_ms = 0.0F;
   bool metric = false;  // that map's unit of length is the metre
+
   bool hasPose() const { return map.has_value(); }
 };
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -35,16 +34,30 @@ class TrajectoryStore {
   std::vector<TrajectoryEntry> entries() const;
 
  private:
+  /// The motion in single precision: hours of it have to fit.
   struct StoredFrame {
-    std::int64_t stamp_ns;
-    std::int64_t mid_exposure_ns;
-    MapId map_id;
-    KeyframeId keyframe_id;
-    ExposureTrajectory trajectory;  // relative to the keyframe
+    std::uint64_t sequence = 0;
+    std::int64_t stamp_ns = 0;
+    std::int64_t mid_exposure_ns = 0;
+    MapId map_id = 0;
+    KeyframeId keyframe_id = 0;
+    SE3 T_keyframe_mid;
+    double exposure = 0.0;                                                         // [s]
+    Eigen::Matrix<float, 6, 1> velocity = Eigen::Matrix<float, 6, 1>::Zero();      // [m/s, rad/s]
+    Eigen::Matrix<float, 6, 1> acceleration = Eigen::Matrix<float, 6, 1>::Zero();  // [m/s^2, rad/s^2]
     bool is_keyframe = false;
   };
-  std::map<std::uint64_t, StoredFrame> frames_;  // by sequence number
-  std::map<std::pair<MapId, KeyframeId>, SE3> T_map_keyframe_;
+  struct StoredKeyframe {
+    std::pair<MapId, KeyframeId> id;
+    SE3 T_map_keyframe;
+  };
+
+  /// The entry of this frame; a new one if there was none.
+  StoredFrame& entryOf(std::uint64_t sequence);
+
+  // In blocks, not piece by piece: what stays must not lie scattered between images that go.
+  std::vector<StoredFrame> frames_;        // by sequence number
+  std::vector<StoredKeyframe> keyframes_;  // by id
 };
 
 }  // namespace mba_vo

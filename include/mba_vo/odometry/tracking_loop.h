@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "mba_vo/odometry/config.h"
 #include "mba_vo/tracking/tracker.h"
@@ -42,6 +44,8 @@ class TrackingLoop {
   /// Camera to odom at mid-exposure of the last tracked frame; continuous across references and maps, never rewritten.
   /// Before there is a map, and between maps, it turns with the camera and stays where it is.
   const SE3& T_odom_camera() const;
+  /// While lost: camera to odom if it goes on moving as it last did, which nothing measures. Null while not lost.
+  std::optional<SE3> predicted_T_odom_camera(std::int64_t mid_exposure_ns) const;
   /// odom to map by the newest reference: T_map_ref T_odom_ref^-1.
   SE3 T_map_odom() const;
   ReferenceConstPtr reference() const;

@@ -23,6 +23,7 @@ struct FrameNames {
 struct NodeConfig {
   FrameNames frames;
   bool publish_tf = true;
+  double tf_prediction = 0.0;
   double extrinsic_wait = 0.5;
   std::string stamp_reference = "middle";
   std::string exposure_time = "auto";
@@ -49,6 +50,8 @@ struct NodeConfig {
     v("exposure_start_frame", c.frames.exposure_start_frame, "camera when the shutter opened, optical axes");
     v("exposure_end_frame", c.frames.exposure_end_frame, "camera when the shutter closed, optical axes");
     v("publish_tf", c.publish_tf, "broadcast map -> odom -> base and the two exposure frames");
+    v("tf_prediction", c.tf_prediction, 0.0, 60.0,
+      "while lost, TF goes on for so long as the camera last moved; 0 = it stops at once [s]");
     v("extrinsic_wait", c.extrinsic_wait, 0.0, 60.0, "longest wait for the transform from base to camera in TF [s]");
     v("stamp_reference", c.stamp_reference, "what the stamps of the images refer to: start, middle or end of exposure");
     v("exposure_time", c.exposure_time, "[s], for all images; auto or nan: from the topic exposure, if any");

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <string>
+
 #include <mba_vo/Status.h>
 
+#include "mba_vo/ros/image_assembler.h"
 #include "mba_vo/tracking/tracked_frame.h"
 
 namespace mba_vo {
@@ -18,6 +21,17 @@ inline std::uint8_t toState(TrackingStatus status) {
     default:
       return Status::INITIALIZING;
   }
+}
+
+/// The exposure_source in mba_vo/Status of an image and what became of it.
+inline std::string exposureSource(const InputImage& image, const TrackedFrame& tracked) {
+  if (tracked.exposure_estimate.used) {
+    return image.exposure ? "corrected" : "estimated";
+  }
+  if (!tracked.frame->exposure) {
+    return "unknown";
+  }
+  return image.exposure_from_topic ? "topic" : "parameter";
 }
 
 }  // namespace mba_vo

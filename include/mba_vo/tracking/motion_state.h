@@ -22,6 +22,11 @@ class MotionState {
   /// What is known about a frame at `mid_exposure_ns`, before or after the last one.
   MotionPrior priorAt(std::int64_t mid_exposure_ns) const;
 
+  /// Where the camera would be if it went on moving as it last did.
+  SE3 constantVelocityAt(std::int64_t mid_exposure_ns) const {
+    return last_.T_reference_mid * SE3::exp(1e-9 * static_cast<double>(mid_exposure_ns - last_ns_) * last_.velocity);
+  }
+
   const ExposureTrajectory& last() const { return last_; }
   std::int64_t lastNs() const { return last_ns_; }
 

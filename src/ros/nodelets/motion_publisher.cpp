@@ -43,16 +43,27 @@ void MotionPublisher::publish(const MeasuredMotion& motion) {
   exposure_motion_.publish(exposure_motion);
 }
 
+void MotionPublisher::publishPrediction(const MeasuredMotion& motion) {
+  if (publish_tf_) {
+    broadcaster_.sendTransform(transforms(motion));
+  }
+}
+
+std::vector<geometry_msgs::TransformStamped> MotionPublisher::transforms(const MeasuredMotion& motion) const {
+  const ros::Time stamp = toRosTime(motion.tracked->frame->mid_exposure_ns);
+  const SE3 T_map_odom = toBaseWorld(motion.T_map_odom, motion.T_base_camera);
+  const SE3 T_odom_base = toBaseWorld(motion.T_odom_camera, motion.T_base_camera);
+  return {makeTransform(stamp, frames_.map_frame, frames_.odom_frame, toPoseMsg(T_map_odom)),
+          makeTransform(stamp, frames_.odom_frame, frames_.base_frame, toPoseMsg(T_odom_base))};
+}
+
 void MotionPublisher::broadcast(const MeasuredMotion& motion, const ExposureMotion& exposure_motion) {
   // All at mid-exposure, also the frames of start and end: looked up together, they belong to one image.
   const ros::Time stamp = exposure_motion.mid_time;
-  const SE3 T_map_odom = toBaseWorld(motion.T_map_odom, motion.T_base_camera);
-  const SE3 T_odom_base = toBaseWorld(motion.T_odom_camera, motion.T_base_camera);
-  broadcaster_.sendTransform(std::vector<geometry_msgs::TransformStamped>{
-      makeTransform(stamp, frames_.map_frame, frames_.odom_frame, toPoseMsg(T_map_odom)),
-      makeTransform(stamp, frames_.odom_frame, frames_.base_frame, toPoseMsg(T_odom_base)),
-      makeTransform(stamp, frames_.odom_frame, frames_.exposure_start_frame, exposure_motion.start),
-      makeTransform(stamp, frames_.odom_frame, frames_.exposure_end_frame, exposure_motion.end)});
+  std::vector<geometry_msgs::TransformStamped> all = transforms(motion);
+  all.push_back(makeTransform(stamp, frames_.odom_frame, frames_.exposure_start_frame, exposure_motion.start));
+  all.push_back(makeTransform(stamp, frames_.odom_frame, frames_.exposure_end_frame, exposure_motion.end));
+  broadcaster_.sendTransform(all);
 }
 
 }  // namespace mba_vo

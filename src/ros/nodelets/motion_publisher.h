@@ -1,5 +1,8 @@
 #pragma once
 
+#include <vector>
+
+#include <geometry_msgs/TransformStamped.h>
 #include <ros/node_handle.h>
 #include <tf2_ros/transform_broadcaster.h>
 
@@ -14,8 +17,11 @@ class MotionPublisher {
   MotionPublisher(ros::NodeHandle& nh, const FrameNames& frames, bool publish_tf);
 
   void publish(const MeasuredMotion& motion);
+  /// A pose that was predicted is in TF alone: map -> odom -> base, where nothing was exposed that is known.
+  void publishPrediction(const MeasuredMotion& motion);
 
  private:
+  std::vector<geometry_msgs::TransformStamped> transforms(const MeasuredMotion& motion) const;
   void broadcast(const MeasuredMotion& motion, const ExposureMotion& exposure_motion);
 
   FrameNames frames_;

@@ -34,12 +34,13 @@ void StatusReporter::imageRejected(std::int64_t stamp_ns, const std::string& rea
   publishLocked("image rejected: " + reason);
 }
 
-void StatusReporter::imageTracked(const TrackedFrame& tracked, const std::string& exposure_source) {
+void StatusReporter::imageTracked(const TrackedFrame& tracked, const std::string& exposure_source, bool tf_predicted) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const std::uint8_t previous = status_.state;
   status_.state = toState(tracked.status);
   status_.header.stamp = toRosTime(tracked.frame->stamp_ns);
   status_.reason = tracked.reason;
+  status_.tf_predicted = tf_predicted;
   status_.tracking_ms = tracked.tracking_ms;
   status_.exposure_source = exposure_source;
   status_.exposure = exposureToMessage(tracked.frame->exposure);
@@ -85,6 +86,7 @@ void StatusReporter::wasReset() {
   status_.map_id = 0;
   status_.keyframe_id = 0;
   status_.metric_scale = false;
+  status_.tf_predicted = false;
   status_.reason = "reset";
   publishLocked(status_.reason);
 }

@@ -21,7 +21,7 @@ class StatusReporter {
   /// Every image that was received ends in exactly one of these three.
   void imageShed(std::int64_t stamp_ns);
   void imageRejected(std::int64_t stamp_ns, const std::string& reason);
-  void imageTracked(const TrackedFrame& tracked, const std::string& exposure_source);
+  void imageTracked(const TrackedFrame& tracked, const std::string& exposure_source, bool tf_predicted);
 
   void referenceAdopted(const Reference& reference, const MapperStatus& mapper);
   void referenceStale();

@@ -10,6 +10,7 @@
 
 #include "mba_vo/io/photometric_files.h"
 #include "mba_vo/ros/image_conversion.h"
+#include "mba_vo/ros/status_conversion.h"
 
 namespace mba_vo {
 namespace {
@@ -128,7 +129,7 @@ void TrackerWorker::process(const InputImage& image) {
   if (tracked->tracked() || (tracked->orientation_only && extrinsic_.isSettled())) {
     publishMotion(tracked);
   }
-  status_.imageTracked(*tracked, exposureSource(image, *tracked));
+  status_.imageTracked(*tracked, exposureSource(image, *tracked), publishPrediction(tracked));
 }
 
 FrameConstPtr TrackerWorker::makeFrame(const InputImage& image) {
@@ -265,29 +266,33 @@ void TrackerWorker::forward(const TrackedFrameConstPtr& tracked, bool has_refere
   tracked_frames_.publish(TrackedFrameMessageConstPtr(message));
 }
 
-void TrackerWorker::publishMotion(const TrackedFrameConstPtr& tracked) {
+MeasuredMotion TrackerWorker::motionOf(const TrackedFrameConstPtr& tracked, const SE3& T_odom_camera) {
   MeasuredMotion motion;
   motion.tracked = tracked;
-  motion.T_odom_camera = loop_.T_odom_camera();
+  motion.T_odom_camera = T_odom_camera;
   motion.T_map_odom = loop_.T_map_odom();
   motion.T_base_camera = extrinsic_.T_base_camera();
   motion.camera_frame = camera_frame_;
-  const std::int64_t mid_ns = tracked->frame->mid_exposure_ns;
-  if (last_measured_ns_ != 0) {
-    motion.seconds_since_previous = 1e-9 * static_cast<double>(mid_ns - last_measured_ns_);
-  }
-  if (tracked->tracked()) last_measured_ns_ = mid_ns;
-  motions_.publish(motion);
+  motion.seconds_since_previous = secondsSinceMeasured(*tracked->frame);
+  return motion;
 }
 
-std::string TrackerWorker::exposureSource(const InputImage& image, const TrackedFrame& tracked) const {
-  if (tracked.exposure_estimate.used) {
-    return image.exposure ? "corrected" : "estimated";
-  }
-  if (!tracked.frame->exposure) {
-    return "unknown";
-  }
-  return image.exposure_from_topic ? "topic" : "parameter";
+double TrackerWorker::secondsSinceMeasured(const Frame& frame) const {
+  return last_measured_ns_ != 0 ? 1e-9 * static_cast<double>(frame.mid_exposure_ns - last_measured_ns_) : 0.0;
+}
+
+void TrackerWorker::publishMotion(const TrackedFrameConstPtr& tracked) {
+  motions_.publish(motionOf(tracked, loop_.T_odom_camera()));
+  if (tracked->tracked()) last_measured_ns_ = tracked->frame->mid_exposure_ns;
+}
+
+bool TrackerWorker::publishPrediction(const TrackedFrameConstPtr& tracked) {
+  if (tracked->status != TrackingStatus::kLost || !config_.publish_tf) return false;
+  if (!(secondsSinceMeasured(*tracked->frame) < config_.tf_prediction)) return false;
+  const std::optional<SE3> T_odom_camera = loop_.predicted_T_odom_camera(tracked->frame->mid_exposure_ns);
+  if (!T_odom_camera) return false;
+  motions_.publishPrediction(motionOf(tracked, *T_odom_camera));
+  return true;
 }
 
 }  // namespace mba_vo

@@ -58,8 +58,11 @@ class TrackerWorker {
   /// Images are soon made as the mapper believes they should be.
   void correctCalibration(const CalibrationCorrection& correction);
   void forward(const TrackedFrameConstPtr& tracked, bool has_reference);
+  MeasuredMotion motionOf(const TrackedFrameConstPtr& tracked, const SE3& T_odom_camera);
+  double secondsSinceMeasured(const Frame& frame) const;
   void publishMotion(const TrackedFrameConstPtr& tracked);
-  std::string exposureSource(const InputImage& image, const TrackedFrame& tracked) const;
+  /// False if the frame is not lost, or for too long, or TF is not to be predicted.
+  bool publishPrediction(const TrackedFrameConstPtr& tracked);
 
   const NodeConfig config_;
   CalibrationStore& calibration_;

@@ -1,9 +1,11 @@
 // Plays a bag that the test makes itself to both nodelets and looks at everything that comes out.
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <set>
 
 #include <gtest/gtest.h>
+#include <sensor_msgs/Image.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
@@ -49,6 +51,28 @@ class PlayBag : public testing::Test {
     done_ = odometry_->waitUntilDone(sequence_->stamps.size(), kTimeout);
     outputs_ = new Outputs(odometry_->outputs());
   }
+  /// Images of a covered lens, after the bag's last one; their stamps.
+  static std::vector<std::int64_t> coverLens(int images) {
+    ros::NodeHandle nh;
+    const ros::Publisher publisher = nh.advertise<sensor_msgs::Image>("/camera/image_raw", 100);
+    const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(kTimeout);
+    while (publisher.getNumSubscribers() == 0 && ros::WallTime::now() < deadline) ros::WallDuration(0.01).sleep();
+    std::vector<std::int64_t> stamps;
+    for (int i = 1; i <= images; ++i) {
+      stamps.push_back(sequence_->stamps.back() + i * (sequence_->stamps[1] - sequence_->stamps[0]));
+      sensor_msgs::Image image;
+      image.header.stamp = toRosTime(stamps.back());
+      image.header.frame_id = "camera_optical";
+      image.encoding = "mono8";
+      image.width = image.step = 376;
+      image.height = 240;
+      image.data.assign(image.step * image.height, 100);
+      publisher.publish(image);
+      ros::WallDuration(0.05).sleep();
+    }
+    return stamps;
+  }
+
   static void TearDownTestSuite() {
     delete odometry_;
     delete outputs_;
@@ -213,6 +237,34 @@ TEST_F(PlayBag, BagPlayedAgainIsANewStart) {
   EXPECT_EQ(status.frames_rejected, 0U);
   EXPECT_GE(odometry_->outputs().exposure_motion.size(), outputs_->exposure_motion.size() * 3 / 2);
   EXPECT_GT(odometry_->outputs().exposure_motion.back()->map_id, outputs_->exposure_motion.back()->map_id);
+}
+
+TEST_F(PlayBag, WhileLostTransformsGoOnForAsLongAsTheyMay) {
+  ASSERT_EQ(odometry_->status().state, Status::TRACKING);
+  constexpr int kCovered = 6;  // by tf_prediction, the first three are predicted
+  const std::size_t motions = odometry_->outputs().exposure_motion.size();
+  const std::size_t before = odometry_->outputs().transforms.size();
+  const std::vector<std::int64_t> stamps = coverLens(kCovered);
+  ASSERT_TRUE(odometry_->waitFor(
+      [&](const Outputs& o) { return toNanoseconds(o.status.back()->header.stamp) == stamps.back(); }, kTimeout));
+  const Outputs outputs = odometry_->outputs();
+  EXPECT_EQ(outputs.exposure_motion.size(), motions);
+  std::vector<std::pair<std::string, std::int64_t>> expected;
+  for (int i = 0; i < 3; ++i) {
+    for (const char* child : {"odom", "base_link"})
+      expected.emplace_back(child, stamps.at(static_cast<std::size_t>(i)));
+  }
+  std::vector<std::pair<std::string, std::int64_t>> sent;
+  for (std::size_t i = before; i < outputs.transforms.size(); ++i) {
+    sent.emplace_back(outputs.transforms[i].child_frame_id, toNanoseconds(outputs.transforms[i].header.stamp));
+  }
+  EXPECT_EQ(sent, expected);
+  for (const auto& status : outputs.status) {
+    const auto found = std::find(stamps.begin(), stamps.end(), toNanoseconds(status->header.stamp));
+    if (found == stamps.end()) continue;
+    EXPECT_EQ(status->state, Status::LOST);
+    EXPECT_EQ(status->tf_predicted, found - stamps.begin() < 3) << status->header.stamp;
+  }
 }
 
 TEST_F(PlayBag, ResetServiceForgetsTheMap) {
