@@ -53,7 +53,6 @@ TEST(Deblurring, DeterministicRunsDoNotDependOnTime) {
   const std::vector<Outcome> first = run(odometry);
   const DeblurCounts counts = odometry.deblurCounts();
   EXPECT_GT(counts.sharpened, 1U);
-  EXPECT_GT(counts.passed_over, 0U);
   EXPECT_EQ(counts.too_slow, 0U) << "each result is waited for";
 
   Odometry again = makeOdometry("trajectory");
