@@ -35,3 +35,6 @@ endfunction()
 mba_vo_rostest(bad_input TIMEOUT 320)
 mba_vo_rostest(play_bag TIMEOUT 520 SOURCES ${ros_test_folder}/demo_sequence.cpp DEPENDS mba_vo_evaluation
   ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
+mba_vo_rostest(deblurring TIMEOUT 320 SOURCES ${ros_test_folder}/demo_sequence.cpp DEPENDS mba_vo_evaluation
+  ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
+set_tests_properties(mba_vo_rostest_deblurring PROPERTIES DEPENDS mba_vo_rostest_play_bag)  # which makes the bag

@@ -98,6 +98,7 @@ class Run {
   }
   std::vector<TrajectoryEntry> trajectory() const { return odometry_.trajectory(); }
   std::vector<MapPoint> points() const { return odometry_.points(); }
+  DeblurCounts deblurCounts() const { return odometry_.deblurCounts(); }
 
  private:
   InputVerdict check(const SequenceImage& image) {
@@ -183,6 +184,7 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
   result.correction = run.correction();
   result.trajectory = run.trajectory();
   result.points = run.points();
+  result.deblurring = run.deblurCounts();
   result.log.settle(result.trajectory);
   return result;
 }

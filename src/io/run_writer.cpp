@@ -49,6 +49,14 @@ void writeCalibration(const OfflineResult& result, std::ostream& out) {
       << ", row_time: " << c[Correction::kRowTime] << "}\n";
 }
 
+void writeDeblurring(const DeblurCounts& counts, std::ostream& out) {
+  if (counts.offered == 0) return;
+  out << "deblurring: {offered: " << counts.offered << ", waiting: " << counts.waiting
+      << ", sharpened: " << counts.sharpened << ", unsuited: " << counts.unsuited
+      << ", passed_over: " << counts.passed_over << ", too_slow: " << counts.too_slow
+      << ", forgotten: " << counts.forgotten << ", unsuited_reason: " << yamlQuoted(counts.unsuited_reason) << "}\n";
+}
+
 void writeStage(std::ostream& out, const char* name, double seconds, std::size_t frames) {
   const double per_frame = frames == 0 ? 0.0 : 1e3 * seconds / static_cast<double>(frames);
   out << "  " << name << ": {total_s: " << seconds << ", per_frame_ms: " << per_frame << "}\n";
@@ -79,15 +87,15 @@ void writeFrames(const std::vector<FrameRecord>& frames, std::ostream& out) {
 }
 
 void writeKeyframes(const std::vector<KeyframeReport>& keyframes, std::ostream& out) {
-  out << "keyframe,sequence,time,blur_px,points,residuals,rms,error_px,depth_search_ms,activation_ms,deblur_ms,"
+  out << "keyframe,sequence,time,blur_px,points,residuals,rms,error_px,depth_search_ms,activation_ms,"
          "optimisation_ms,calibration_ms,marginalisation_ms,selection_ms,total_ms,depths_compared,depths_agreeing\n";
   out << std::fixed << std::setprecision(3);
   for (const KeyframeReport& k : keyframes) {
     out << k.keyframe_id << "," << k.frame_sequence << "," << formatSeconds(k.mid_exposure_ns) << ","
         << k.blur_length_px << "," << k.points << "," << k.residuals << "," << k.rms << "," << k.error_px << ","
-        << k.depth_search_ms << "," << k.activation_ms << "," << k.deblur_ms << "," << k.optimisation_ms << ","
-        << k.calibration_ms << "," << k.marginalisation_ms << "," << k.selection_ms << "," << k.total_ms << ","
-        << k.depths.compared << "," << k.depths.agreeing << "\n";
+        << k.depth_search_ms << "," << k.activation_ms << "," << k.optimisation_ms << "," << k.calibration_ms << ","
+        << k.marginalisation_ms << "," << k.selection_ms << "," << k.total_ms << "," << k.depths.compared << ","
+        << k.depths.agreeing << "\n";
   }
 }
 
@@ -106,6 +114,7 @@ void writeSummary(const OfflineResult& result, const std::vector<std::pair<std::
   out << "keyframes: " << result.log.keyframes().size() << "\n";
   out << "maps: " << counts.maps << "\n";
   out << "metric_maps: " << counts.metric_maps << "\n";
+  writeDeblurring(result.deblurring, out);
   writeCalibration(result, out);
   if (std::isfinite(result.exposure.log_sigma)) {
     out << "exposure_ratio: " << result.exposure.ratio << "\n";

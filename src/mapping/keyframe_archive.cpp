@@ -108,6 +108,10 @@ void KeyframeArchive::update(const Reference& reference) {
   found->second.reference.hint.reset();
 }
 
+void KeyframeArchive::replace(const Reference& reference, const Frame& frame) {
+  if (keyframes_.count(reference.id.keyframe_id) > 0) add(reference, frame);
+}
+
 void KeyframeArchive::dropMostRedundant() {
   auto redundant = keyframes_.begin();
   double most_alike = -2.0;

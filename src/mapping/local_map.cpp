@@ -35,15 +35,10 @@ LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initi
       calibration_(calibration),
       metric_(initial.metric),
       window_(config.window, config.deterministic),
-      deblurrer_(makeDeblurrer(config.deblur)),
       next_keyframe_(place.keyframe) {
   window_.setCorrection(calibration_.correction());
   const FrameConstPtr& frame = initial.reference;
-  std::vector<DepthSample> depths;
-  for (const ReferencePoint& p : initial.points) depths.push_back({p.pixel, p.inverse_depth});
-  const ExposureTrajectory motion{SE3(), reference_velocity, frame->exposure.value_or(0.0)};
-  addKeyframe(frame, deblur(frame, motion, std::nullopt, std::move(depths)), place.T_map_keyframe, reference_velocity,
-              place.brightness);
+  addKeyframe(frame, place.T_map_keyframe, reference_velocity, place.brightness);
   for (const ReferencePoint& point : initial.points) {
     const MeasuredDepth depth{static_cast<double>(point.inverse_depth), static_cast<double>(point.variance)};
     window_.addPoint(newestKeyframe(), point.pixel.cast<double>(), depth.inverse_depth,
@@ -57,23 +52,22 @@ SE3 LocalMap::T_map_camera(const TrackedFrame& tracked) const {
   return store_.T_map_keyframe(id_, tracked.reference.keyframe_id) * tracked.trajectory.T_reference_mid;
 }
 
-void LocalMap::addKeyframe(const FrameConstPtr& frame, const std::shared_ptr<const ImagePyramid>& sharp,
-                           const SE3& T_map_keyframe, const Vector6& velocity, const AffineBrightness& brightness) {
+void LocalMap::addKeyframe(const FrameConstPtr& frame, const SE3& T_map_keyframe, const Vector6& velocity,
+                           const AffineBrightness& brightness) {
   WindowKeyframe keyframe;
   keyframe.id = next_keyframe_++;
-  keyframe.sharp = sharp;
-  const std::shared_ptr<const ImagePyramid> frame_image(frame, &frame->pyramid);
-  keyframe.original = frame_image;
+  keyframe.original = std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid);
+  keyframe.sharp = keyframe.original;
   keyframe.T_map_keyframe = T_map_keyframe;
   keyframe.velocity = velocity;
   // Where the exposure is unknown, the image is left as if it were sharp.
   keyframe.xi = velocity * frame->exposure.value_or(0.0);
   keyframe.brightness = brightness;
   keyframe.correction = frame->correction;
-  // An image that was not deblurred still has the whole motion in it.
-  if (config_.commute_blur && sharp == frame_image) keyframe.image_xi = keyframe.xi;
+  // It has the whole motion in it, until it is replaced by a sharp one.
+  if (config_.commute_blur) keyframe.image_xi = keyframe.xi;
   window_.addKeyframe(keyframe);
-  keyframes_[keyframe.id] = {frame, sharp, keyframe.image_xi, {}};
+  keyframes_[keyframe.id] = {frame, keyframe.original, keyframe.image_xi, {}};
 }
 
 void LocalMap::searchDepths(const TrackedFrame& tracked) {
@@ -85,7 +79,7 @@ void LocalMap::searchDepths(const TrackedFrame& tracked) {
     const AffineBrightness host_brightness = window_.brightness(id);
     const double gain = std::exp(tracked.brightness.a - host_brightness.a);
     const double offset = tracked.brightness.b - gain * host_brightness.b;
-    const DepthSearcher searcher(*host.sharp, tracked.frame->pyramid, in_host, gain, offset, config_.depth_search,
+    const DepthSearcher searcher(*host.image, tracked.frame->pyramid, in_host, gain, offset, config_.depth_search,
                                  window_.velocity(id));
     const std::size_t chunks = (host.immature.size() + kPointsPerSearch - 1) / kPointsPerSearch;
     parallelFor(chunks, [&, &immature = host.immature](std::size_t chunk) {
@@ -96,37 +90,18 @@ void LocalMap::searchDepths(const TrackedFrame& tracked) {
   depth_search_ms_ += millisecondsSince(begin);
 }
 
-std::shared_ptr<const ImagePyramid> LocalMap::deblur(const FrameConstPtr& frame, const ExposureTrajectory& motion,
-                                                     const std::optional<Vector6>& other_velocity,
-                                                     std::vector<DepthSample> depths) const {
-  DeblurInput input;
-  input.image = std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid);
-  input.sequence = frame->sequence;
-  input.motion = motion;
-  input.other_velocity = other_velocity;
-  input.depths = std::move(depths);
-  return deblurrer_->deblur(input).image;
-}
-
-std::vector<DepthSample> LocalMap::depthsIn(const TrackedFrame& tracked, const SE3& T_map_keyframe) const {
-  std::vector<DepthSample> depths;
-  for (const ReferencePoint& p :
-       projectPoints(window_, tracked.frame->pyramid.level(0).camera, T_map_keyframe, tracked.trajectory.velocity)) {
-    depths.push_back({p.pixel, p.inverse_depth});
-  }
-  return depths;
+void LocalMap::replaceImage(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp) {
+  HostKeyframe& host = keyframes_.at(keyframe);
+  host.image = sharp;
+  host.image_xi.setZero();
+  for (ImmaturePoint& point : host.immature) point.energy_threshold = 0.0;  // to be computed from the new image
+  window_.replaceImage(keyframe, sharp);
 }
 
 KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const Vector6& velocity) {
   KeyframeReport report;
   const Clock::time_point begin = Clock::now();
-  const SE3 T_map_keyframe = T_map_camera(tracked);
-  const ExposureTrajectory motion{SE3(), velocity, tracked.frame->exposure.value_or(0.0),
-                                  tracked.trajectory.acceleration};
-  const auto sharp = deblur(tracked.frame, motion, tracked.trajectory.velocity, depthsIn(tracked, T_map_keyframe));
-  report.deblur_ms = millisecondsSince(begin);
-
-  addKeyframe(tracked.frame, sharp, T_map_keyframe, velocity, tracked.brightness);
+  addKeyframe(tracked.frame, T_map_camera(tracked), velocity, tracked.brightness);
   window_.addResidualsTo(newestKeyframe());
   const Clock::time_point stage = Clock::now();
   activatePoints();
@@ -169,7 +144,7 @@ void LocalMap::refineWindow(KeyframeReport& report) {
 }
 
 void LocalMap::activatePoints() {
-  const PinholeCamera& camera = keyframes_.at(newestKeyframe()).sharp->level(0).camera;
+  const PinholeCamera& camera = keyframes_.at(newestKeyframe()).image->level(0).camera;
   const SE3 T_newest_map = window_.T_map_keyframe(newestKeyframe()).inverse();
   activation_distance_px_ =
       adaptedDistance(activation_distance_px_, static_cast<int>(window_.points().size()), config_.window.max_points);
@@ -201,7 +176,7 @@ void LocalMap::activatePoints() {
 }
 
 SurfaceSlopes LocalMap::slopesIn(KeyframeId keyframe) const {
-  const PinholeCamera& camera = keyframes_.at(keyframe).sharp->level(0).camera;
+  const PinholeCamera& camera = keyframes_.at(keyframe).image->level(0).camera;
   return SurfaceSlopes(camera,
                        projectPoints(window_, camera, window_.T_map_keyframe(keyframe), window_.velocity(keyframe)));
 }
@@ -215,7 +190,7 @@ void LocalMap::updateSlopes() {
 }
 
 void LocalMap::selectImmaturePoints(HostKeyframe& host) const {
-  for (const Eigen::Vector2i& pixel : selectPoints(*host.sharp, config_.new_points_per_keyframe, {})) {
+  for (const Eigen::Vector2i& pixel : selectPoints(*host.image, config_.new_points_per_keyframe, {})) {
     ImmaturePoint point;
     point.pixel = pixel;
     if (metric_ && !host.frame->depth.empty()) {
@@ -251,7 +226,7 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe, const st
   reference->mid_exposure_ns = keyframes_.at(keyframe).frame->mid_exposure_ns;
   reference->exposure = keyframes_.at(keyframe).frame->exposure;
   reference->T_map_reference = window_.T_map_keyframe(keyframe);
-  reference->pyramid = keyframes_.at(keyframe).sharp;
+  reference->pyramid = keyframes_.at(keyframe).image;
   reference->image_xi = keyframes_.at(keyframe).image_xi;
   reference->brightness = window_.brightness(keyframe);
   reference->velocity = window_.velocity(keyframe);
@@ -264,7 +239,7 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe, const st
 
 MapPoint LocalMap::displayPoint(const WindowPoint& point) const {
   const HostKeyframe& host = keyframes_.at(point.host);
-  const ImageLevel& level = host.sharp->level(0);
+  const ImageLevel& level = host.image->level(0);
   const Eigen::Vector3d in_host = level.camera.unproject(point.pixel) / point.inverse_depth;
   const auto x = static_cast<int>(std::lround(point.pixel.x()));
   const auto y = static_cast<int>(std::lround(point.pixel.y()));

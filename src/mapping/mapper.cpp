@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "mba_vo/mapping/backward_tracking.h"
-#include "mba_vo/mapping/kinematic_blur.h"
+#include "mba_vo/mapping/keyframe_choice.h"
 #include "mba_vo/mapping/recovery.h"
 
 namespace mba_vo {
@@ -11,20 +11,21 @@ namespace {
 
 constexpr int kFramesUntilResend = 15;  // the first reference may still be on its way for a while
 
-MapperOutput saying(const std::string& message) { return {nullptr, std::nullopt, message}; }
+MapperOutput saying(const std::string& message) { return {nullptr, std::nullopt, std::nullopt, message}; }
 
 }  // namespace
 
 class Mapper::Impl {
  public:
-  Impl(const MapperConfig& config, DraftCallback on_draft)
+  Impl(const MapperConfig& config, DraftCallback on_draft, std::shared_ptr<const Deblurrer> deblurrer)
       : config_(config),
         on_draft_(std::move(on_draft)),
         initializer_(config.initializer, config.depth_sensor),
-        keyframe_policy_(config.keyframe),
+        choice_(config.keyframe),
         calibration_(config.start_correction),
         health_(config.health),
-        recovery_(config) {}
+        recovery_(config),
+        deblurring_(config, std::move(deblurrer)) {}
 
   MapperOutput process(const TrackedFrameConstPtr& frame) {
     if (!map_) return frame->blind ? MapperOutput() : initialize(frame->frame);
@@ -68,11 +69,10 @@ class Mapper::Impl {
     newest_initializing_ns_.reset();
     health_.reset();
     recovery_.reset();
-    old_points_.clear();
+    deblurring_.forgetMap();
     initial_frames_.clear();
-    candidate_.reset();
+    choice_.reset();
     backward_.reset();
-    motion_ = {};
     last_ = {};
     frames_without_reference_ = 0;
   }
@@ -80,11 +80,8 @@ class Mapper::Impl {
   ReferenceConstPtr currentReference() const { return reference_; }
   const CalibrationCorrection& correction() const { return calibration_.correction(); }
   const TrajectoryStore& store() const { return store_; }
-  std::vector<MapPoint> points() const {
-    std::vector<MapPoint> all = map_ ? map_->points() : std::vector<MapPoint>();
-    all.insert(all.begin(), old_points_.begin(), old_points_.end());
-    return all;
-  }
+  std::vector<MapPoint> points() const { return map_ ? map_->points() : std::vector<MapPoint>(); }
+  DeblurCounts deblurCounts() const { return deblurring_.counts(); }
 
  private:
   MapperOutput initialize(const FrameConstPtr& frame) {
@@ -148,6 +145,7 @@ class Mapper::Impl {
     backward_.emplace(config_, std::move(initial), MotionState(start, frame->mid_exposure_ns), initial_frames_,
                       reference_);
     recovery_.keep(*reference_, *frame, *map_);
+    deblur(frame);
     return reference;
   }
 
@@ -160,33 +158,37 @@ class Mapper::Impl {
   MapperOutput revise(const TrackedFrameConstPtr& frame) {
     if (!frame->tracked() || frame->reference.map_id != map_->id()) return {};
     store_.addFrame(*frame);
-    if (candidate_ && candidate_->frame->sequence == frame->frame->sequence) candidate_ = frame;
+    choice_.revise(frame);
     return {};
   }
 
   MapperOutput refine(const TrackedFrameConstPtr& frame) {
     MapperOutput output;
+    takeSharpKeyframe(output);
     output.keyframe = integrate(frame);
+    deblurring_.beginNext(*map_, frame->frame->mid_exposure_ns);
     if (!output.keyframe) return output;
     output.reference = reference_;
     if (!health_.isYoung()) initial_frames_.clear();
     return health_.isWrong() ? giveUp(std::move(output)) : output;
   }
 
-  /// A frame becomes a keyframe once the frame after it has been tracked: the motion on both sides then tells how much
-  /// the keyframe itself is blurred, without looking at its blur.
+  /// The tracker is given the sharp image if it is using the blurred one.
+  void takeSharpKeyframe(MapperOutput& output) {
+    output.sharp_keyframe = deblurring_.takeReady(*map_, recovery_.archive());
+    if (!output.sharp_keyframe || output.sharp_keyframe->keyframe_id != reference_->id.keyframe_id) return;
+    reference_ = map_->makeReference(reference_->id.keyframe_id, health_.doubt());
+    output.reference = reference_;
+  }
+
   std::optional<KeyframeReport> integrate(const TrackedFrameConstPtr& frame) {
     store_.addFrame(*frame);
     map_->searchDepths(*frame);
     last_ = {frame->frame->sequence, frame->frame->mid_exposure_ns, frame->trajectory};
     last_keyframe_ = frame->reference.keyframe_id;
-    motion_.add(frame->frame->mid_exposure_ns, map_->T_map_camera(*frame), measuredVelocity(*frame));
-    const TrackedFrameConstPtr candidate = std::exchange(candidate_, nullptr);
-    if (!candidate) {
-      if (isNeeded(*frame)) candidate_ = frame;
-      return std::nullopt;
-    }
-    KeyframeReport report = map_->insertKeyframe(*candidate, motion_.velocityOfMiddle());
+    const TrackedFrameConstPtr chosen = choice_.add(frame, map_->T_map_camera(*frame), *reference_);
+    if (!chosen) return std::nullopt;
+    KeyframeReport report = map_->insertKeyframe(*chosen, choice_.velocity());
     if (on_draft_) on_draft_(map_->makeReference(map_->newestKeyframe(), health_.doubt()));
     map_->refineWindow(report);
     const std::shared_ptr<Reference> reference = map_->makeReference(map_->newestKeyframe());
@@ -195,17 +197,18 @@ class Mapper::Impl {
     health_.addDepths(report.depths);
     reference->doubt = health_.doubt();
     reference_ = reference;
-    recovery_.keep(*reference_, *candidate->frame, *map_);
-    store_.makeKeyframe(*candidate, reference_->id.map_id, reference_->id.keyframe_id);
+    recovery_.keep(*reference_, *chosen->frame, *map_);
+    deblur(chosen->frame, chosen->trajectory.acceleration, chosen->trajectory.velocity);
+    store_.makeKeyframe(*chosen, reference_->id.map_id, reference_->id.keyframe_id);
     if (backward_) backward_->update(*map_);
     return report;
   }
 
-  /// Judged against the newest keyframe: the tracker may still be using an older one.
-  bool isNeeded(const TrackedFrame& frame) const {
-    ExposureTrajectory in_newest = frame.trajectory;
-    in_newest.T_reference_mid = reference_->T_map_reference.inverse() * map_->T_map_camera(frame);
-    return keyframe_policy_.takes(*reference_, measureFrame(*reference_, in_newest), frame.brightness);
+  /// The newest keyframe, made of this frame.
+  void deblur(const FrameConstPtr& frame, const Vector6& acceleration = Vector6::Zero(),
+              const std::optional<Vector6>& measured_velocity = std::nullopt) {
+    const ExposureTrajectory motion{SE3(), reference_->velocity, frame->exposure.value_or(0.0), acceleration};
+    deblurring_.offer(*reference_, frame, motion, measured_velocity);
   }
 
   MapperOutput handleLost(const TrackedFrame& frame) {
@@ -220,19 +223,16 @@ class Mapper::Impl {
 
   /// The camera was found by a keyframe. If that has left the window, a new window begins with it.
   MapperOutput goOnFrom(const Relocalizer::Found& found) {
-    if (!map_->has(found.keyframe)) {
-      old_points_ = points();
-      map_ = recovery_.windowAt(found, *map_, store_, calibration_);
-    }
-    const KeyframeId keyframe = map_->has(found.keyframe) ? found.keyframe : map_->newestKeyframe();
+    const bool departed = !map_->has(found.keyframe);
+    if (departed) map_ = recovery_.windowAt(found, *map_, store_, calibration_);
+    const KeyframeId keyframe = departed ? map_->newestKeyframe() : found.keyframe;
     const std::shared_ptr<Reference> reference = map_->makeReference(keyframe, health_.doubt());
     reference->hint = found.hint;
     reference_ = reference;
-    candidate_.reset();
+    if (departed) deblur(found.keyframe_frame);
     last_ = found.hint;
     last_keyframe_ = keyframe;
-    motion_ = {};
-    motion_.add(last_.mid_exposure_ns, reference->T_map_reference * last_.trajectory.T_reference_mid, std::nullopt);
+    choice_.restart(last_.mid_exposure_ns, reference->T_map_reference * last_.trajectory.T_reference_mid);
     MapperOutput output;
     output.reference = reference_;
     output.message = "found again by keyframe " + std::to_string(found.keyframe);
@@ -262,7 +262,7 @@ class Mapper::Impl {
   MapperConfig config_;
   DraftCallback on_draft_;  // may be empty
   Initializer initializer_;
-  KeyframePolicy keyframe_policy_;
+  KeyframeChoice choice_;
   TrajectoryStore store_;
   CalibrationEstimator calibration_;
   CalibrationEstimator calibration_before_map_;  // what a wrong map says about it is not believed
@@ -271,20 +271,18 @@ class Mapper::Impl {
   MapId next_map_id_ = 1;
   MapHealth health_;
   Recovery recovery_;
+  KeyframeDeblurring deblurring_;
   std::optional<std::int64_t> newest_initializing_ns_;  // of the frames given to the initialiser
   std::vector<FrameConstPtr> initial_frames_;           // that the initialiser had when the map began
   std::int64_t first_keyframe_ns_ = 0;
-  std::vector<MapPoint> old_points_;  // of earlier windows of this map
-  KinematicBlur motion_;
   std::optional<BackwardTracking> backward_;
-  TrackedFrameConstPtr candidate_;  // becomes a keyframe with the next frame
-  TrackingHint last_;               // the newest tracked frame, relative to last_keyframe_
+  TrackingHint last_;  // the newest tracked frame, relative to last_keyframe_
   KeyframeId last_keyframe_ = 0;
   int frames_without_reference_ = 0;
 };
 
-Mapper::Mapper(const MapperConfig& config, DraftCallback on_draft)
-    : impl_(std::make_unique<Impl>(config, std::move(on_draft))) {}
+Mapper::Mapper(const MapperConfig& config, DraftCallback on_draft, std::shared_ptr<const Deblurrer> deblurrer)
+    : impl_(std::make_unique<Impl>(config, std::move(on_draft), std::move(deblurrer))) {}
 Mapper::~Mapper() = default;
 MapperOutput Mapper::process(const TrackedFrameConstPtr& frame) { return impl_->process(frame); }
 bool Mapper::doDeferredWork() { return impl_->doDeferredWork(); }
@@ -294,5 +292,6 @@ ReferenceConstPtr Mapper::currentReference() const { return impl_->currentRefere
 std::vector<TrajectoryEntry> Mapper::trajectory() const { return impl_->store().entries(); }
 CalibrationCorrection Mapper::correction() const { return impl_->correction(); }
 std::vector<MapPoint> Mapper::points() const { return impl_->points(); }
+DeblurCounts Mapper::deblurCounts() const { return impl_->deblurCounts(); }
 
 }  // namespace mba_vo

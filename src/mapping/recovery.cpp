@@ -47,7 +47,9 @@ std::unique_ptr<LocalMap> Recovery::windowAt(const Relocalizer::Found& found, co
   initial.points = known.points;
   initial.metric = old.isMetric();
   const LocalMap::Place place{known.T_map_reference, old.newestKeyframe() + 1, known.brightness};
-  return std::make_unique<LocalMap>(config_, old.id(), initial, known.velocity, place, store, calibration);
+  auto window = std::make_unique<LocalMap>(config_, old.id(), initial, known.velocity, place, store, calibration);
+  window->inheritPoints(old.points());
+  return window;
 }
 
 }  // namespace mba_vo

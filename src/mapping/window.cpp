@@ -195,6 +195,11 @@ Window::~Window() = default;
 
 void Window::addKeyframe(const WindowKeyframe& keyframe) { impl_->addKeyframe(keyframe); }
 
+void Window::replaceImage(KeyframeId id, std::shared_ptr<const ImagePyramid> sharp) {
+  impl_->state_.replaceImage(impl_->state_.indexOf(id), std::move(sharp));
+  impl_->pairs_.clear();
+}
+
 PointId Window::addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,
                          const MeasuredDepth& measured) {
   if (!(inverse_depth > 0.0) || !std::isfinite(inverse_depth)) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace mba_vo {
 
@@ -29,6 +30,18 @@ void WindowState::relinearize() {
     k.T_linear = k.T_map_keyframe();
     k.brightness_linear = k.brightness();
     k.delta.setZero();
+  }
+}
+
+void WindowState::replaceImage(int i, std::shared_ptr<const ImagePyramid> sharp) {
+  keyframe(i).sharp = std::move(sharp);
+  keyframe(i).image_xi.setZero();
+  // Pixels of the targets, which were blurred as the host was, have to be read again; as a target it may be itself what
+  // is read.
+  for (PointState& point : points) {
+    for (PatchResidual& residual : point.residuals) {
+      if (point.host == i || residual.target == i) residual.has_pixels = false;
+    }
   }
 }
 

@@ -59,6 +59,10 @@ class TrackingLoop::Impl {
 
   bool take(const ReferenceConstPtr& reference, bool may_go_back) {
     if (!reference->withdrawn.empty()) return leave(*reference);
+    if (isSharperImage(*reference)) {
+      reference_ = reference;
+      return true;
+    }
     const bool found = reference_ && lost_.lost() && reference->hint;  // by the mapper, in this map
     if (!goesAhead()) rememberNewest();
     if (reference_ && reference_->id.map_id == reference->id.map_id) {
@@ -134,6 +138,12 @@ class TrackingLoop::Impl {
     result->blind = true;
     if (reference_) lost_.lose(frame->mid_exposure_ns, true);
     return result;
+  }
+
+  /// Of the keyframe in use. The demand for the next one remains, and what saw this one badly still does.
+  bool isSharperImage(const Reference& reference) const {
+    return reference_ && !reference.hint && reference_->id.map_id == reference.id.map_id &&
+           reference_->id.keyframe_id == reference.id.keyframe_id && reference_->pyramid != reference.pyramid;
   }
 
   /// The mapper has given up the map: the next one is waited for.

@@ -1,32 +1,180 @@
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include "io/temporary_folder.h"
+#include "mapping/fake_deblurrers.h"
+#include "mapping/follower.h"
 #include "mapping/mapper_fixture.h"
 
-namespace mba_vo {
+namespace mba_vo::test {
 namespace {
 
-/// Every keyframe is deblurred, that too with which the map begins: here by images in a folder, 9 grey levels brighter.
-TEST(KeyframeDeblur, TheFirstReferenceIsDeblurredToo) {
+constexpr int kImages = 40;
+constexpr double kExposure = 0.03;  // [s]
+
+/// Blurred images and what they would be without blur.
+struct Twins {
+  std::vector<FrameConstPtr> blurred;
+  std::vector<FrameConstPtr> sharp;
+};
+
+const Twins& twins() {
+  static const Twins kTwins = [] {
+    SimulationConfig simulation = sequenceConfig(kExposure);
+    simulation.trajectory_seed = 3;
+    const RenderedSequence rendered = renderFrames(simulation, 0, kImages);
+    return Twins{toFrames(rendered, false, kExposure), toFrames(rendered, true, kExposure)};
+  }();
+  return kTwins;
+}
+
+/// Knows the truth.
+DeblurResult truth(const DeblurInput& input) {
+  DeblurResult result;
+  const std::uint64_t index = input.sequence - twins().sharp.front()->sequence;
+  result.image = std::make_shared<const ImagePyramid>(twins().sharp.at(index)->pyramid);
+  result.sharpened = true;
+  result.residual = 1.0F;
+  return result;
+}
+
+/// With as many keyframes deblurred as the CPU can.
+MapperConfig eager(bool deterministic) {
+  MapperConfig c = config();
+  c.deterministic = deterministic;
+  c.deblur_queue.per_second = 1000.0;
+  return c;
+}
+
+TEST(KeyframeDeblur, TheSharpImageTakesThePlaceOfTheBlurredOne) {
+  const auto deblurrer = std::make_shared<FakeDeblurrer>(truth);
+  Mapper mapper(eager(true), {}, deblurrer);
+  Follower follower(mapper, twins().blurred);
+  const Reference first = follower.reference();
+  EXPECT_FALSE(first.image_xi.isZero(0.0)) << "the map begins without waiting";
+  EXPECT_EQ(mapper.deblurCounts().waiting, 1U);
+
+  EXPECT_FALSE(follower.step().sharp_keyframe) << "begins with the first frame, is taken with the next";
+  const MapperOutput output = follower.step();
+  ASSERT_TRUE(output.sharp_keyframe);
+  EXPECT_EQ(output.sharp_keyframe->keyframe_id, first.id.keyframe_id);
+  EXPECT_EQ(output.sharp_keyframe->frame->mid_exposure_ns, first.mid_exposure_ns);
+  const DeblurInput given = deblurrer->inputs().front();
+  EXPECT_EQ(given.sequence, output.sharp_keyframe->frame->sequence);
+  EXPECT_EQ(given.image, first.pyramid);
+  EXPECT_EQ(given.motion.exposure, kExposure);
+  EXPECT_EQ(given.motion.velocity, first.velocity);
+  EXPECT_EQ(given.depths.size(), first.points.size());
+
+  ASSERT_TRUE(output.reference) << "the tracker is given it at once";
+  EXPECT_EQ(output.reference->id.keyframe_id, first.id.keyframe_id);
+  EXPECT_GT(output.reference->id.revision, first.id.revision);
+  EXPECT_EQ(output.reference->pyramid, output.sharp_keyframe->image);
+  EXPECT_TRUE(output.reference->image_xi.isZero(0.0));
+  EXPECT_EQ(mapper.currentReference(), output.reference);
+  for (int i = 0; i < 2; ++i) follower.toNextKeyframe();
+  EXPECT_GE(mapper.deblurCounts().sharpened, 2U);
+}
+
+TEST(KeyframeDeblur, TheMapGoesOnWhileTheCpuIsTooSlow) {
+  const auto slow = std::make_shared<SlowDeblurrer>(truth);
+  MapperConfig busy = eager(false);
+  busy.keyframe.flow_px = busy.keyframe.parallax_px = 5.0;  // many keyframes
+  Mapper mapper(busy, {}, slow);
+  Follower follower(mapper, twins().blurred);
+  std::uint64_t keyframes = 1;
+  while (!follower.atEnd()) {
+    const MapperOutput output = follower.step();
+    EXPECT_FALSE(output.sharp_keyframe);
+    if (!output.keyframe) continue;
+    ++keyframes;
+    ASSERT_TRUE(output.reference);
+    EXPECT_EQ(output.reference->id.keyframe_id, output.keyframe->keyframe_id);
+    EXPECT_FALSE(output.reference->image_xi.isZero(0.0)) << "as without deblurring";
+  }
+  const DeblurCounts counts = mapper.deblurCounts();
+  EXPECT_GT(keyframes, 4U);
+  EXPECT_EQ(counts.offered, keyframes);
+  EXPECT_EQ(counts.sharpened, 0U);
+  EXPECT_LE(counts.waiting, 3U) << "two, and that which is being worked on";
+  EXPECT_GT(counts.too_slow, 0U);
+  EXPECT_EQ(counts.waiting + counts.too_slow + counts.passed_over, counts.offered);
+  slow->letGo();  // the mapper's end waits for it
+}
+
+TEST(KeyframeDeblur, AResetWaitsForNothingAndNoResultGetsIntoTheNextMap) {
+  const auto slow = std::make_shared<SlowDeblurrer>(truth);
+  Mapper mapper(eager(false), {}, slow);
+  {
+    Follower follower(mapper, twins().blurred);
+    follower.step();
+  }
+  mapper.reset();
+  EXPECT_EQ(mapper.deblurCounts().forgotten, 1U);
+  EXPECT_EQ(mapper.deblurCounts().waiting, 0U);
+  const std::vector<FrameConstPtr> later(twins().blurred.begin() + 5, twins().blurred.end());
+  Follower follower(mapper, later);
+  slow->letGo(2 * kImages);
+  while (!follower.atEnd()) {
+    const std::optional<SharpKeyframe> sharp = follower.step().sharp_keyframe;
+    if (sharp) {
+      EXPECT_EQ(slow->sequenceOf(sharp->image), sharp->frame->sequence);
+    }
+  }
+}
+
+TEST(KeyframeDeblur, AMapThatIsLostTakesItsTasksAlong) {
+  const auto slow = std::make_shared<SlowDeblurrer>(truth);
+  Mapper mapper(eager(false), {}, slow);
+  const Initialised initial = initialise(mapper, twins().blurred);
+  ASSERT_TRUE(initial.output.reference);
+  for (double t = 0.0; mapper.currentReference() && t < 3.0; t += 0.04) {
+    auto lost = std::make_shared<TrackedFrame>();
+    lost->frame = shifted(frames().front(), 10.0 + t);
+    lost->status = TrackingStatus::kLost;
+    mapper.process(lost);
+  }
+  EXPECT_FALSE(mapper.currentReference());
+  EXPECT_EQ(mapper.deblurCounts().forgotten, mapper.deblurCounts().offered);
+}
+
+TEST(KeyframeDeblur, AnImageWithoutExposureTimeIsSharp) {
+  const auto deblurrer = std::make_shared<FakeDeblurrer>(copyOf);
+  Mapper mapper(eager(true), {}, deblurrer);
+  Follower follower(mapper);
+  follower.toNextKeyframe();
+  EXPECT_EQ(mapper.deblurCounts().offered, 0U);
+}
+
+/// Here by images in a folder, 9 grey levels brighter, and with an exposure that nobody knows.
+TEST(KeyframeDeblur, TheConfigurationNamesTheDeblurrer) {
   const TemporaryFolder folder;
-  for (const FrameConstPtr& frame : test::frames()) {
+  std::vector<FrameConstPtr> images;
+  for (const FrameConstPtr& frame : frames()) {
     char name[32];
     std::snprintf(name, sizeof(name), "%06d.png", static_cast<int>(frame->sequence));
     cv::imwrite(folder.file(name), frame->pyramid.level(0).intensity + 9.0F);
+    auto copy = std::make_shared<Frame>(*frame);
+    copy->exposure.reset();
+    images.push_back(copy);
   }
-  MapperConfig config = test::config();
-  config.deblur.method = "folder";
-  config.deblur.folder.images = folder.file("");
-  Mapper mapper(config);
-  const ReferenceConstPtr reference = test::initialise(mapper).output.reference;
-  ASSERT_TRUE(reference);
-  const FrameConstPtr& frame = test::frames().at(static_cast<std::size_t>(reference->hint->frame_sequence));
-  ASSERT_EQ(frame->mid_exposure_ns, reference->mid_exposure_ns);
-  const float original = frame->pyramid.level(0).intensity(100, 120);
+  MapperConfig c = eager(true);
+  c.deblur.method = "folder";
+  c.deblur.folder.images = folder.file("");
+  Mapper mapper(c);
+  Follower follower(mapper, images);
+  follower.step();
+  const std::optional<SharpKeyframe> sharp = follower.step().sharp_keyframe;
+  ASSERT_TRUE(sharp);
+  const float original = sharp->frame->pyramid.level(0).intensity(100, 120);
   ASSERT_LT(original, 240.0F);
-  EXPECT_NEAR(reference->pyramid->level(0).intensity(100, 120), original + 9.0F, 0.51F);
-  EXPECT_TRUE(reference->image_xi.isZero(0.0));
+  EXPECT_NEAR(sharp->image->level(0).intensity(100, 120), original + 9.0F, 0.51F);
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::test

@@ -3,10 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mapping/mapper_fixture.h"
-#include "mba_vo/mapping/mapper.h"
-#include "mba_vo/tracking/motion_state.h"
-#include "mba_vo/tracking/tracker.h"
+#include "mapping/follower.h"
 
 namespace mba_vo::test {
 namespace {
@@ -14,48 +11,6 @@ namespace {
 constexpr double kClose = 5e-3;  // [m, rad]
 
 double distance(const SE3& a, const SE3& b) { return (a.inverse() * b).log().norm(); }
-
-/// Tracks the frames after those that made the map against the newest reference of the mapper.
-class Follower {
- public:
-  explicit Follower(Mapper& mapper) : mapper_(mapper), tracker_(config().tracker) {
-    const Initialised initial = initialise(mapper);
-    reference_ = initial.output.reference;
-    motion_ = {reference_->hint->trajectory, reference_->hint->mid_exposure_ns};
-    next_ = static_cast<std::size_t>(reference_->hint->frame_sequence - frames().front()->sequence) + 1;
-  }
-
-  /// The next frame.
-  TrackedFrame track(const Reference& reference) const {
-    const FrameConstPtr& frame = frames().at(next_);
-    return tracker_.track(reference, frame, {motion_.priorAt(frame->mid_exposure_ns), 0.0});
-  }
-
-  /// Until there is another keyframe.
-  MapperOutput toNextKeyframe() {
-    while (next_ + 1 < frames().size()) {
-      const auto tracked = std::make_shared<TrackedFrame>(track(*reference_));
-      EXPECT_TRUE(tracked->tracked()) << tracked->reason;
-      motion_.update(*tracked);
-      ++next_;
-      const MapperOutput output = mapper_.process(tracked);
-      if (!output.keyframe) continue;
-      const SE3& T_map_old = output.reference->T_map_keyframe.at(reference_->id.keyframe_id);
-      motion_.changeReference(output.reference->T_map_reference.inverse() * T_map_old);
-      reference_ = output.reference;
-      return output;
-    }
-    ADD_FAILURE() << "no keyframe";
-    return {};
-  }
-
- private:
-  Mapper& mapper_;
-  Tracker tracker_;
-  ReferenceConstPtr reference_;
-  MotionState motion_;
-  std::size_t next_ = 0;
-};
 
 TEST(MapperDraft, AKeyframeIsOfUseBeforeTheWindowIsOptimised) {
   std::vector<ReferenceConstPtr> drafts;

@@ -49,16 +49,22 @@ struct Initialised {
   int frames_used = 0;
 };
 
-/// Feeds frames that no tracker could track, until there is a map.
-inline Initialised initialise(Mapper& mapper, double shift = 0.0) {
+/// Feeds images that no tracker could track, until there is a map.
+inline Initialised initialise(Mapper& mapper, const std::vector<FrameConstPtr>& images) {
   Initialised result;
-  for (const FrameConstPtr& frame : frames()) {
+  for (const FrameConstPtr& frame : images) {
     ++result.frames_used;
-    result.output = mapper.process(report(shift == 0.0 ? frame : shifted(frame, shift), TrackingStatus::kInitializing));
+    result.output = mapper.process(report(frame, TrackingStatus::kInitializing));
     if (result.output.reference) return result;
   }
   ADD_FAILURE() << "no map: " << result.output.message;
   return result;
+}
+
+inline Initialised initialise(Mapper& mapper, double shift = 0.0) {
+  std::vector<FrameConstPtr> images;
+  for (const FrameConstPtr& frame : frames()) images.push_back(shift == 0.0 ? frame : shifted(frame, shift));
+  return initialise(mapper, images);
 }
 
 }  // namespace mba_vo::test

@@ -141,6 +141,29 @@ TEST(KeyframeArchive, TakesNewerPosesAndPointsOfWhatItKeeps) {
   EXPECT_EQ(archive.keyframes().at(7).reference.pyramid, nullptr);
 }
 
+TEST(KeyframeArchive, TakesTheSharpImageOfWhatItKeeps) {
+  KeyframeArchive archive(3);
+  const SimulatedFrame rendered = renderAt(placeOf(0), Vector6::Zero(), 0.0);
+  const cv::Mat1f image = test::toFloat(rendered.sharp);
+  auto reference = test::makeReference(rendered, image, 100);
+  reference->id = {1, 7, 0};
+  reference->exposure = kExposure;
+  reference->image_xi.setConstant(0.01);
+  const FrameConstPtr frame = test::makeFrame(image, 0, kExposure);
+  reference->pyramid = std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid);
+  Reference sharp = *reference;
+  sharp.pyramid = std::make_shared<const ImagePyramid>(image + 9.0F, test::roomSimulator().camera(), 5);
+  sharp.image_xi.setZero();
+  archive.replace(sharp, *frame);
+  EXPECT_TRUE(archive.keyframes().empty()) << "it is not kept";
+  archive.add(*reference, *frame);
+  archive.replace(sharp, *frame);
+  const ArchivedKeyframe& kept = archive.keyframes().at(7);
+  EXPECT_EQ(kept.restoreFrame()->exposure, 0.0);
+  EXPECT_TRUE(kept.reference.image_xi.isZero(0.0));
+  EXPECT_NEAR(kept.restoreFrame()->pyramid.level(0).intensity(50, 60), image(50, 60) + 9.0F, 0.51F);
+}
+
 TEST(Thumbnail, FindsTheShiftBetweenTwoViews) {
   const SimulatedFrame a = renderAt(placeOf(0), Vector6::Zero(), 0.0);
   const double yaw = 0.12;

@@ -46,6 +46,12 @@ TEST(TrackingLoop, WaitingFramesHoldForTheKeyframeTheyAskedFor) {
   ASSERT_LT(next, 11);
   EXPECT_EQ(loop.trackWaiting(), nullptr);
   EXPECT_EQ(loop.waitingFrames(), static_cast<std::size_t>(11 - next));
+  // A better image of the keyframe in use is not the keyframe that was asked for.
+  const auto sharper = makeReference(1, 0, 0, SE3(), {});
+  EXPECT_TRUE(loop.take(sharper));
+  EXPECT_EQ(loop.reference(), sharper);
+  EXPECT_EQ(loop.trackWaiting(), nullptr);
+  EXPECT_EQ(loop.waitingFrames(), static_cast<std::size_t>(11 - next));
   EXPECT_EQ(loop.process(frame(11))->status, TrackingStatus::kInitializing);  // it waits behind the others
   EXPECT_EQ(loop.trackWaiting(), nullptr);
 

@@ -46,6 +46,7 @@ struct OfflineResult {
   CalibrationCorrection correction;        // of the calibration, at the end
   ExposureCorrection exposure_correction;  // that which was given, or, if the images contradict it, as they say
   std::vector<MapPoint> points;            // of the last map
+  DeblurCounts deblurring;                 // of the keyframes
   StageTimes times;
   std::size_t skipped = 0;
   bool stopped_to_restart = false;

@@ -59,6 +59,8 @@ class KeyframeArchive {
   void add(const Reference& reference, const Frame& frame);
   /// Newer points and pose of a keyframe; its image is what it was. Nothing if it is not kept.
   void update(const Reference& reference);
+  /// The keyframe has another image now. Nothing if it is not kept.
+  void replace(const Reference& reference, const Frame& frame);
   void clear() { keyframes_.clear(); }
 
   const std::map<KeyframeId, ArchivedKeyframe>& keyframes() const { return keyframes_; }

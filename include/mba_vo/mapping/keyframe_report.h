@@ -20,7 +20,6 @@ struct KeyframeReport {
   DepthAgreement depths;         // of measured depths and images
   double depth_search_ms = 0.0;  // spent on frames since the last keyframe
   double activation_ms = 0.0;
-  double deblur_ms = 0.0;
   double optimisation_ms = 0.0;
   double calibration_ms = 0.0;
   double marginalisation_ms = 0.0;

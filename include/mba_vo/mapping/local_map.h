@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
-#include "mba_vo/deblur/deblurrer.h"
 #include "mba_vo/mapping/calibration_estimator.h"
 #include "mba_vo/mapping/keyframe_report.h"
 #include "mba_vo/mapping/mapper_config.h"
@@ -47,33 +47,37 @@ class LocalMap {
   /// Refines the depths of all immature points with a tracked frame.
   void searchDepths(const TrackedFrame& tracked);
 
-  /// Makes the tracked frame, which moved at `velocity`, a keyframe: deblurs and activates points. It can serve as a
-  /// reference from then on.
+  /// Makes the tracked frame, which moved at `velocity`, a keyframe and activates points. It can serve as a reference
+  /// from then on.
   KeyframeReport insertKeyframe(const TrackedFrame& tracked, const Vector6& velocity);
   /// Makes it a better one: optimises the window, marginalises, selects new points. Completes the report.
   void refineWindow(KeyframeReport& report);
+
+  /// From now on the sharp image is what the keyframe's points are seen in.
+  void replaceImage(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp);
+  /// That the keyframe was made of.
+  const FrameConstPtr& frame(KeyframeId keyframe) const { return keyframes_.at(keyframe).frame; }
 
   SE3 T_map_camera(const TrackedFrame& tracked) const;
 
   /// Snapshot for the tracker about one keyframe of the window.
   std::shared_ptr<Reference> makeReference(KeyframeId keyframe, const std::string& doubt = {});
 
+  /// The newest of those that are known by their positions only, and all of the window.
   std::vector<MapPoint> points() const;
+  /// Of an earlier window of the same map, for display.
+  void inheritPoints(std::vector<MapPoint> points) { old_points_ = std::move(points); }
 
  private:
   struct HostKeyframe {
     FrameConstPtr frame;
-    std::shared_ptr<const ImagePyramid> sharp;
-    Vector6 image_xi;  // motion blur left in `sharp`
+    std::shared_ptr<const ImagePyramid> image;  // the frame's own, or a sharp one
+    Vector6 image_xi;                           // motion blur in it
     std::vector<ImmaturePoint> immature;
   };
 
-  void addKeyframe(const FrameConstPtr& frame, const std::shared_ptr<const ImagePyramid>& sharp,
-                   const SE3& T_map_keyframe, const Vector6& velocity, const AffineBrightness& brightness);
-  std::shared_ptr<const ImagePyramid> deblur(const FrameConstPtr& frame, const ExposureTrajectory& motion,
-                                             const std::optional<Vector6>& other_velocity,
-                                             std::vector<DepthSample> depths) const;
-  std::vector<DepthSample> depthsIn(const TrackedFrame& tracked, const SE3& T_map_keyframe) const;
+  void addKeyframe(const FrameConstPtr& frame, const SE3& T_map_keyframe, const Vector6& velocity,
+                   const AffineBrightness& brightness);
   void activatePoints();
   SurfaceSlopes slopesIn(KeyframeId keyframe) const;
   void updateSlopes();
@@ -90,7 +94,6 @@ class LocalMap {
   CalibrationEstimator& calibration_;
   bool metric_;
   Window window_;
-  std::unique_ptr<Deblurrer> deblurrer_;
   std::map<KeyframeId, HostKeyframe> keyframes_;
   KeyframeId next_keyframe_ = 0;
   std::uint32_t revision_ = 0;

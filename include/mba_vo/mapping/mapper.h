@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "mba_vo/mapping/keyframe_deblurring.h"
 #include "mba_vo/mapping/keyframe_report.h"
 #include "mba_vo/mapping/local_map.h"
 #include "mba_vo/mapping/mapper_config.h"
@@ -16,9 +17,10 @@ namespace mba_vo {
 
 /// What one call of Mapper::process produced.
 struct MapperOutput {
-  ReferenceConstPtr reference;             // new snapshot for the tracker, or null
-  std::optional<KeyframeReport> keyframe;  // set if the frame became a keyframe
-  std::string message;                     // what happened, for the log and the status; may be empty
+  ReferenceConstPtr reference;                  // new snapshot for the tracker, or null
+  std::optional<KeyframeReport> keyframe;       // set if the frame became a keyframe
+  std::optional<SharpKeyframe> sharp_keyframe;  // set if one has been deblurred
+  std::string message;                          // what happened, for the log and the status; may be empty
 };
 
 /// Takes every TrackedFrame, initialises the map, refines depths, inserts keyframes, optimises the window and owns the
@@ -29,8 +31,9 @@ class Mapper {
 
   /// `on_draft` is given a snapshot of every new keyframe before the window is optimised with it: a tracker that cannot
   /// wait is better off with that than with the keyframe before. It is called from within process(), which then returns
-  /// the better snapshot of the same keyframe.
-  explicit Mapper(const MapperConfig& config, DraftCallback on_draft = {});
+  /// the better snapshot of the same keyframe. `deblurrer`: in place of the one that the configuration names.
+  explicit Mapper(const MapperConfig& config, DraftCallback on_draft = {},
+                  std::shared_ptr<const Deblurrer> deblurrer = nullptr);
   ~Mapper();
   Mapper(const Mapper&) = delete;
   Mapper& operator=(const Mapper&) = delete;
@@ -56,6 +59,8 @@ class Mapper {
   std::vector<TrajectoryEntry> trajectory() const;
   /// Points of the active window and, up to MapperConfig::max_display_points, of marginalised keyframes.
   std::vector<MapPoint> points() const;
+  /// What became of the keyframes that were to be deblurred, in all maps.
+  DeblurCounts deblurCounts() const;
 
  private:
   class Impl;

@@ -2,6 +2,7 @@
 
 #include "mba_vo/deblur/deblurrer.h"
 #include "mba_vo/geometry/calibration_correction.h"
+#include "mba_vo/mapping/deblur_queue.h"
 #include "mba_vo/mapping/depth_search.h"
 #include "mba_vo/mapping/initializer.h"
 #include "mba_vo/mapping/map_health.h"
@@ -19,6 +20,7 @@ struct MapperConfig {
   DepthSearchConfig depth_search;
   WindowConfig window;
   DeblurConfig deblur;
+  DeblurQueueConfig deblur_queue;
   // The tracker's own options, for the frames that are tracked again after initialisation. Not read from `mapper`.
   TrackerConfig tracker;
   KeyframePolicyConfig keyframe;
@@ -39,6 +41,7 @@ struct MapperConfig {
     v.section("depth_search", c.depth_search);
     v.section("window", c.window);
     v.section("deblur", c.deblur);
+    v.section("deblur_queue", c.deblur_queue);
     v("new_points_per_keyframe", c.new_points_per_keyframe, 50, 10000, "candidate points selected in a new keyframe");
     v("max_display_points", c.max_display_points, 0, 10000000, "old map points kept for display");
     v("restart_after_lost", c.restart_after_lost, 0.05, 1e6,

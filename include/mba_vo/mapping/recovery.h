@@ -19,6 +19,8 @@ class Recovery {
 
   /// Takes a frame that the tracker lost. `usual_error`: of frames in this map [px].
   std::optional<Relocalizer::Found> lose(const TrackedFrame& frame, double usual_error);
+  /// The keyframes kept.
+  KeyframeArchive& archive() { return relocalizer_.archive(); }
   bool isLost() const { return clock_.lost(); }
   bool isLostForGood() const { return clock_.seconds() >= config_.restart_after_lost; }
   /// The tracker has a pose again.

@@ -93,6 +93,8 @@ class Window {
   ~Window();
 
   void addKeyframe(const WindowKeyframe& keyframe);
+  /// The image of a host has become sharp. What depended on the old one is made anew by `optimize`.
+  void replaceImage(KeyframeId id, std::shared_ptr<const ImagePyramid> sharp);
   /// Adds a point with residuals to every other keyframe of the window in which it is visible.
   /// Measured depths give the window their scale; without any it keeps that of its first keyframes.
   PointId addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,

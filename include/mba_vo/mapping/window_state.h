@@ -85,6 +85,8 @@ struct WindowState {
   Eigen::VectorXd deltas() const;
   /// Moves the linearisation points of keyframes outside the prior to their current state.
   void relinearize();
+  /// The image that keyframe `i` has as a host is sharp now.
+  void replaceImage(int i, std::shared_ptr<const ImagePyramid> sharp);
   /// Removes keyframe `i`, its points and all residuals into it. The prior must not depend on it any more.
   void removeKeyframe(int i);
 

@@ -38,6 +38,7 @@ class Odometry {
 
   std::vector<TrajectoryEntry> trajectory() const { return mapper_.trajectory(); }
   std::vector<MapPoint> points() const { return mapper_.points(); }
+  DeblurCounts deblurCounts() const { return mapper_.deblurCounts(); }
 
  private:
   bool takeDueReferences(std::uint64_t frame);

@@ -1,5 +1,6 @@
 #include "map_publisher.h"
 
+#include "mba_vo/ros/conversions.h"
 #include "mba_vo/ros/map_messages.h"
 
 namespace mba_vo {
@@ -10,7 +11,8 @@ MapPublisher::MapPublisher(ros::NodeHandle& nh, const NodeConfig& config)
       points_period_(config.points_period),
       path_(nh.advertise<nav_msgs::Path>("path", 1)),
       points_(nh.advertise<sensor_msgs::PointCloud2>("points", 1)),
-      keyframe_image_(nh.advertise<sensor_msgs::Image>("keyframe/image", 2)) {}
+      keyframe_image_(nh.advertise<sensor_msgs::Image>("keyframe/image", 2)),
+      sharp_keyframe_(nh.advertise<sensor_msgs::Image>("keyframe/sharp", 2)) {}
 
 void MapPublisher::publish(const Mapper& mapper, const SE3& T_base_camera, const ros::Time& stamp) {
   if (due(path_, path_period_, last_path_)) {
@@ -25,6 +27,12 @@ void MapPublisher::publishKeyframe(const Reference& reference, const std::string
                                    const ros::Time& stamp) {
   if (keyframe_image_.getNumSubscribers() > 0) {
     keyframe_image_.publish(makeKeyframeImage(*reference.pyramid, camera_frame, stamp));
+  }
+}
+
+void MapPublisher::publishSharpKeyframe(const SharpKeyframe& keyframe, const std::string& camera_frame) {
+  if (sharp_keyframe_.getNumSubscribers() > 0) {
+    sharp_keyframe_.publish(makeKeyframeImage(*keyframe.image, camera_frame, toRosTime(keyframe.frame->stamp_ns)));
   }
 }
 

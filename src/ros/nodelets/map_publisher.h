@@ -9,8 +9,8 @@
 
 namespace mba_vo {
 
-/// Publishes what the mapper knows: path, points and keyframe/image, only if anybody listens and not more often than
-/// asked for.
+/// Publishes what the mapper knows: path, points, keyframe/image and keyframe/sharp, only if anybody listens and not
+/// more often than asked for.
 class MapPublisher {
  public:
   MapPublisher(ros::NodeHandle& nh, const NodeConfig& config);
@@ -18,6 +18,7 @@ class MapPublisher {
   /// After each frame. `T_base_camera` of the camera that sees the map.
   void publish(const Mapper& mapper, const SE3& T_base_camera, const ros::Time& stamp);
   void publishKeyframe(const Reference& reference, const std::string& camera_frame, const ros::Time& stamp);
+  void publishSharpKeyframe(const SharpKeyframe& keyframe, const std::string& camera_frame);
 
  private:
   /// Whether a topic is wanted and due; if so it counts as published.
@@ -29,6 +30,7 @@ class MapPublisher {
   ros::Publisher path_;
   ros::Publisher points_;
   ros::Publisher keyframe_image_;
+  ros::Publisher sharp_keyframe_;
   ros::SteadyTime last_path_;
   ros::SteadyTime last_points_;
 };

@@ -52,6 +52,18 @@ void MapperStatusReporter::frameProcessed(const TrackedFrame& frame, const Mappe
   }
 }
 
+void MapperStatusReporter::keyframesDeblurred(const DeblurCounts& counts) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status_.deblur_offered = counts.offered;
+  status_.deblur_waiting = counts.waiting;
+  status_.deblur_sharpened = counts.sharpened;
+  status_.deblur_unsuited = counts.unsuited;
+  status_.deblur_reason = counts.unsuited_reason;
+  status_.deblur_passed_over = counts.passed_over;
+  status_.deblur_too_slow = counts.too_slow;
+  status_.deblur_forgotten = counts.forgotten;
+}
+
 void MapperStatusReporter::wasReset(const std::string& reason) {
   const std::lock_guard<std::mutex> lock(mutex_);
   status_.map_id = 0;

@@ -20,6 +20,7 @@ class MapperStatusReporter {
   void frameShed();
   void frameUnusable(const std::string& reason);
   void frameProcessed(const TrackedFrame& frame, const MapperOutput& output, bool stale);
+  void keyframesDeblurred(const DeblurCounts& counts);
   void wasReset(const std::string& reason);
   void publish(std::size_t queue_bytes);
   MapperStatus snapshot() const;

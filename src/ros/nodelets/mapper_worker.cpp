@@ -89,6 +89,7 @@ void MapperWorker::process(const TrackedFrameMessage& message) {
   cause_ = &message.summary;
   const MapperOutput output = mapper_.process(message.tracked);
   status_.frameProcessed(tracked, output, stale);
+  status_.keyframesDeblurred(mapper_.deblurCounts());
   if (output.reference) {
     publishReference(output.reference, message.summary);
   }
@@ -98,6 +99,9 @@ void MapperWorker::process(const TrackedFrameMessage& message) {
   }
   if (output.reference) {
     map_publisher_.publishKeyframe(*output.reference, message.summary.header.frame_id, message.summary.header.stamp);
+  }
+  if (output.sharp_keyframe) {
+    map_publisher_.publishSharpKeyframe(*output.sharp_keyframe, message.summary.header.frame_id);
   }
   map_publisher_.publish(mapper_, message.T_base_camera, message.summary.header.stamp);
 }
@@ -110,6 +114,7 @@ void MapperWorker::followSession(const TrackedFrameSummary& summary) {
   if (std::exchange(session_, summary.session) != 0 && !summary.keep_map) {
     mapper_.reset();
     map_id_ = 0;
+    status_.keyframesDeblurred(mapper_.deblurCounts());
     status_.wasReset("reset by the tracker");
     status_.publish(queue_.bytes());
   }

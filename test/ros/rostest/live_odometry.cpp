@@ -17,6 +17,7 @@ LiveOdometry::LiveOdometry(const std::string& ns, const std::string& input) : nh
   listen("path", &Outputs::path);
   listen("points", &Outputs::points);
   listen("keyframe/image", &Outputs::keyframe_image);
+  listen("keyframe/sharp", &Outputs::keyframe_sharp);
   listen("tracked_frame", &Outputs::tracked_frame);
   listen("reference", &Outputs::reference);
   const boost::function<void(const tf2_msgs::TFMessageConstPtr&)> on_tf = [this](const auto& message) {

@@ -31,6 +31,7 @@ struct Outputs {
   std::vector<nav_msgs::PathConstPtr> path;
   std::vector<sensor_msgs::PointCloud2ConstPtr> points;
   std::vector<sensor_msgs::ImageConstPtr> keyframe_image;
+  std::vector<sensor_msgs::ImageConstPtr> keyframe_sharp;
   std::vector<TrackedFrameMessageConstPtr> tracked_frame;
   std::vector<ReferenceMessageConstPtr> reference;
   std::vector<geometry_msgs::TransformStamped> transforms;

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+
+#include "mba_vo/mapping/kinematic_blur.h"
+#include "mba_vo/tracking/keyframe_policy.h"
+#include "mba_vo/tracking/reference.h"
+#include "mba_vo/tracking/tracked_frame.h"
+
+namespace mba_vo {
+
+/// Chooses the frames that become keyframes. One becomes a keyframe once the frame after it has been tracked: the
+/// motion on both sides then tells how much the keyframe itself is blurred, without looking at its blur.
+class KeyframeChoice {
+ public:
+  explicit KeyframeChoice(const KeyframePolicyConfig& config) : policy_(config) {}
+
+  /// The next frame. `newest`: the newest keyframe; the tracker may still be using an older one. Returns the frame
+  /// before it if that is to become a keyframe, else null.
+  TrackedFrameConstPtr add(const TrackedFrameConstPtr& frame, const SE3& T_map_camera, const Reference& newest);
+  /// Of the last but one frame, which may be the one that `add` returned [m/s, rad/s, body frame].
+  Vector6 velocity() const { return motion_.velocityOfMiddle(); }
+  /// A frame was tracked again.
+  void revise(const TrackedFrameConstPtr& frame);
+  /// Begins anew, with the camera at this pose.
+  void restart(std::int64_t mid_exposure_ns, const SE3& T_map_camera);
+  void reset();
+
+ private:
+  KeyframePolicy policy_;
+  KinematicBlur motion_;
+  TrackedFrameConstPtr candidate_;  // becomes a keyframe with the next frame
+};
+
+}  // namespace mba_vo

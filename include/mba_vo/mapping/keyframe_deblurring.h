@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "mba_vo/mapping/deblur_queue.h"
+#include "mba_vo/mapping/keyframe_archive.h"
+#include "mba_vo/mapping/local_map.h"
+#include "mba_vo/mapping/mapper_config.h"
+
+namespace mba_vo {
+
+/// A keyframe of the map whose blurred image has been replaced.
+struct SharpKeyframe {
+  KeyframeId keyframe_id = 0;
+  FrameConstPtr frame;                        // as it came
+  std::shared_ptr<const ImagePyramid> image;  // sharp
+};
+
+/// Gives keyframes to the deblurrer while the map goes on with their blurred images, and puts the sharp ones in their
+/// places: in the window, and among the keyframes that a lost camera is found by.
+class KeyframeDeblurring {
+ public:
+  /// `deblurrer`: null for the one that the configuration names.
+  KeyframeDeblurring(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer);
+
+  /// A new keyframe. `motion`: relative to it. `measured_velocity`: by another measurement, if there is one.
+  /// An image without exposure time is sharp already.
+  void offer(const Reference& keyframe, const FrameConstPtr& frame, const ExposureTrajectory& motion,
+             const std::optional<Vector6>& measured_velocity);
+  /// With every image, before it is used: puts a sharp image that is ready into its place.
+  std::optional<SharpKeyframe> takeReady(LocalMap& map, KeyframeArchive& archive);
+  /// With every image, after it has been used: begins with another keyframe if it is time to.
+  void beginNext(const LocalMap& map, std::int64_t now_ns);
+  /// The map is no more.
+  void forgetMap();
+
+  DeblurCounts counts() const { return queue_ ? queue_->counts() : DeblurCounts(); }
+
+ private:
+  std::optional<DeblurQueue> queue_;  // none if keyframes are not deblurred
+};
+
+}  // namespace mba_vo

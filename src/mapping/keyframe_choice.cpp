@@ -1,0 +1,34 @@
+#include "mba_vo/mapping/keyframe_choice.h"
+
+#include <optional>
+#include <utility>
+
+#include "mba_vo/tracking/frame_measures.h"
+
+namespace mba_vo {
+
+TrackedFrameConstPtr KeyframeChoice::add(const TrackedFrameConstPtr& frame, const SE3& T_map_camera,
+                                         const Reference& newest) {
+  motion_.add(frame->frame->mid_exposure_ns, T_map_camera, measuredVelocity(*frame));
+  if (candidate_) return std::exchange(candidate_, nullptr);
+  ExposureTrajectory in_newest = frame->trajectory;
+  in_newest.T_reference_mid = newest.T_map_reference.inverse() * T_map_camera;
+  if (policy_.takes(newest, measureFrame(newest, in_newest), frame->brightness)) candidate_ = frame;
+  return nullptr;
+}
+
+void KeyframeChoice::revise(const TrackedFrameConstPtr& frame) {
+  if (candidate_ && candidate_->frame->sequence == frame->frame->sequence) candidate_ = frame;
+}
+
+void KeyframeChoice::restart(std::int64_t mid_exposure_ns, const SE3& T_map_camera) {
+  reset();
+  motion_.add(mid_exposure_ns, T_map_camera, std::nullopt);
+}
+
+void KeyframeChoice::reset() {
+  motion_ = {};
+  candidate_.reset();
+}
+
+}  // namespace mba_vo
