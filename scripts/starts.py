@@ -63,7 +63,7 @@ def align(estimate, truth):
 
 
 class Truth:
-    def __init__(self, folder, offset):
+    def __init__(self, folder, offset=(0.0, 0.0, 0.0)):
         self.times, self.positions, _ = read_poses(os.path.join(folder, "groundtruth.txt"), offset)
 
     def at(self, times):
