@@ -77,21 +77,21 @@ void RunLog::addRejected(const SequenceImage& image, const std::string& reason) 
 }
 
 void RunLog::settle(const std::vector<TrajectoryEntry>& trajectory) {
-  std::map<std::uint64_t, MapId> map_of_frame;
+  std::map<std::uint64_t, const TrajectoryEntry*> entry_of_frame;
   for (const TrajectoryEntry& entry : trajectory) {
-    map_of_frame[entry.frame_sequence] = entry.map_id;
+    entry_of_frame[entry.frame_sequence] = &entry;
   }
-  const std::string_view tracking = toString(TrackingStatus::kTracking);
   for (FrameRecord& frame : frames_) {
-    const auto found = map_of_frame.find(frame.sequence);
+    const auto found = entry_of_frame.find(frame.sequence);
     const bool was_tracked = frame.points_used.has_value();
-    if (found != map_of_frame.end()) {
-      frame.map = found->second;
-      frame.metric = metric_maps_.count(found->second) > 0;
+    if (found != entry_of_frame.end()) {
+      const TrajectoryEntry& entry = *found->second;
+      frame.map = entry.map_id;
+      frame.metric = metric_maps_.count(entry.map_id) > 0;
       if (!was_tracked) {
         const bool initializing = frame.status == toString(TrackingStatus::kInitializing);
         frame.reason = initializing ? "tracked backwards after initialisation" : "tracked later by the mapper";
-        frame.status = tracking;
+        frame.status = toString(entry.degraded ? TrackingStatus::kDegraded : TrackingStatus::kTracking);
       }
     } else if (was_tracked) {
       appendText(frame.reason, "pose given up by the mapper, was " + std::string(frame.status));

@@ -73,6 +73,12 @@ TrackedFrame BackwardTracking::next() {
   const FrameConstPtr frame = std::move(frames_.back());
   frames_.pop_back();
   TrackedFrame tracked = tracker_.track(*first_keyframe_, frame, guessFor(*frame));
+  // What follows has nothing better to go by than a pose that is doubtful.
+  if (seen_badly_ && tracked.status == TrackingStatus::kTracking) {
+    tracked.status = TrackingStatus::kDegraded;
+    tracked.reason = "tracked backwards from a frame that was seen badly";
+  }
+  seen_badly_ = tracked.status == TrackingStatus::kDegraded;
   if (tracked.tracked()) {
     motion_.update(tracked);
     brightness_ = tracked.brightness;

@@ -35,6 +35,7 @@ void TrajectoryStore::addFrame(const TrackedFrame& tracked) {
   stored.T_keyframe_mid = tracked.trajectory.T_reference_mid;
   stored.exposure = tracked.trajectory.exposure;
   stored.velocity = tracked.trajectory.velocity.cast<float>();
+  stored.degraded = tracked.status == TrackingStatus::kDegraded;
   stored.acceleration = tracked.trajectory.acceleration.cast<float>();
 }
 
@@ -80,7 +81,7 @@ std::vector<TrajectoryEntry> TrajectoryStore::entries() const {
   for (const StoredFrame& frame : frames_) {
     const ExposureTrajectory in_map{T_map_keyframe(frame.map_id, frame.keyframe_id) * frame.T_keyframe_mid,
                                     frame.velocity.cast<double>(), frame.exposure, frame.acceleration.cast<double>()};
-    entries.push_back({frame.sequence, frame.stamp_ns, frame.mid_exposure_ns, frame.map_id, in_map});
+    entries.push_back({frame.sequence, frame.stamp_ns, frame.mid_exposure_ns, frame.map_id, in_map, frame.degraded});
   }
   std::sort(entries.begin(), entries.end(),
             [](const auto& l, const auto& r) { return l.mid_exposure_ns < r.mid_exposure_ns; });

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "mba_vo/odometry/frame_judge.h"
 #include "mba_vo/odometry/image_check.h"
 #include "mba_vo/odometry/keyframe_demand.h"
 #include "mba_vo/odometry/orientation_tracking.h"
@@ -22,6 +23,10 @@ constexpr double kLongestRevision = 1.0;  // [s] of frames that are tracked once
 constexpr double kUnknownVariance = 1e6;  // of a position that nothing has measured [m^2]
 constexpr const char* kNoMap = "no map yet";
 
+double secondsBetween(const TrackingState& last, const Frame& frame) {
+  return 1e-9 * static_cast<double>(frame.mid_exposure_ns - last.lastNs());
+}
+
 }  // namespace
 
 class TrackingLoop::Impl {
@@ -31,6 +36,7 @@ class TrackingLoop::Impl {
         tracker_(config.tracker),
         exposures_(config.tracker),
         orientation_(config.tracker),
+        judge_(config.tracker),
         demand_(KeyframePolicy(config.keyframe)),
         restart_after_lost_(config.mapper.restart_after_lost),
         longest_wait_(config.mapper.initializer.buffer_seconds + kMapperTime) {}
@@ -80,6 +86,7 @@ class TrackingLoop::Impl {
       T_odom_first_.reset();
       newest_.reset();
       recent_.clear();
+      judge_.reset();
       exposures_.forgetFrames();
     } else {
       return false;
@@ -113,6 +120,7 @@ class TrackingLoop::Impl {
     waiting_.clear();
     newest_.reset();
     recent_.clear();
+    judge_.reset();
     exposures_.reset();
     lost_.find();
     no_map_reason_ = kNoMap;
@@ -191,6 +199,7 @@ class TrackingLoop::Impl {
     const FrameConstPtr frame = withExposure(given, exposures_.exposureFor(given->exposure));
     const TrackingGuess guess = newest_->guessFor(*frame, tracker_config_.unknown_exposure);
     auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
+    judge_.judge(*tracked, false, secondsBetween(*newest_, *frame));
     if (!tracked->tracked()) {
       newest_.reset();
       return nullptr;
@@ -219,7 +228,7 @@ class TrackingLoop::Impl {
     RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, KeyframeDemand::kLost, state_};
     tracked->exposure_estimate = exposures_.estimate(next.frame->exposure.has_value());
     exposures_.add(reference_, tracked, next.frame->exposure);
-    if (lost_.lost()) judgeFirstAfterLoss(tracker_config_, *tracked);
+    judge_.judge(*tracked, lost_.lost(), secondsBetween(state_, *frame));
     if (!tracked->tracked()) {
       lost_.lose(frame->mid_exposure_ns, false);
     } else {
@@ -245,6 +254,7 @@ class TrackingLoop::Impl {
   Tracker tracker_;
   ExposureEstimator exposures_;
   OrientationTracking orientation_;
+  FrameJudge judge_;
   KeyframeDemand demand_;
   double restart_after_lost_;  // [s]
   double longest_wait_;        // [s]

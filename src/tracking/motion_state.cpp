@@ -6,8 +6,6 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kLongestPrediction = 0.15;  // [s] no velocity is trusted further away
-
 /// True if the exposure is unknown, or the blur too short to measure a velocity by; a rolling shutter always tells.
 bool velocityUnobserved(const TrackedFrame& tracked) {
   if (tracked.frame->pyramid.levels() > 0 && tracked.frame->pyramid.level(0).camera.row_time != 0.0) return false;

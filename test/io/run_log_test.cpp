@@ -79,6 +79,15 @@ TEST(RunLog, PoseGivenUpByTheMapperCountsAsLost) {
   EXPECT_EQ(countFrames(log.frames()).dropped_after_initialization, 2U);
 }
 
+TEST(RunLog, FramesTrackedLaterHaveTheStatusOfTheirPose) {
+  RunLog log = fiveFrames();
+  TrajectoryEntry doubtful = pose(1, 1);
+  doubtful.degraded = true;
+  log.settle({pose(0, 1), doubtful, pose(2, 1), pose(4, 1)});
+  EXPECT_EQ(log.frames()[0].status, "TRACKING");
+  EXPECT_EQ(log.frames()[1].status, "DEGRADED");
+}
+
 TEST(RunLog, NothingTrackedIsAllDropped) {
   RunLog log = fiveFrames();
   log.settle({});

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/random.h"
 #include "support/rendered_room.h"
 
 namespace mba_vo {
@@ -20,6 +21,14 @@ FrameConstPtr frame(int index) {
 FrameConstPtr blank(int index) {
   const SimulatedFrame rendered = render(index);
   return test::makeFrame(cv::Mat1f(240, 376, 90.0F), rendered.mid_exposure_ns, rendered.exposure, rendered.id);
+}
+
+FrameConstPtr noisy(int index) {
+  const SimulatedFrame rendered = render(index);
+  cv::Mat1f image = test::toFloat(rendered.blurred);
+  test::Random random(1);
+  for (float& intensity : image) intensity += static_cast<float>(random.normal(14.0));
+  return test::makeFrame(image, rendered.mid_exposure_ns, rendered.exposure, rendered.id);
 }
 
 class BackwardTrackingTest : public testing::Test {
@@ -60,6 +69,19 @@ TEST_F(BackwardTrackingTest, EndsWithTheFirstFrameThatIsLost) {
   EXPECT_TRUE(backward.next().tracked());
   EXPECT_FALSE(backward.next().tracked());
   EXPECT_TRUE(backward.done());
+}
+
+TEST_F(BackwardTrackingTest, BeyondAFrameThatIsSeenBadlyAllAreDoubtful) {
+  std::vector<FrameConstPtr> frames;
+  for (int i = 0; i < kReference; ++i) frames.push_back(i == kReference - 2 ? noisy(i) : frame(i));
+  BackwardTracking backward = begin(frames);
+  EXPECT_EQ(backward.next().status, TrackingStatus::kTracking);
+  EXPECT_EQ(backward.next().status, TrackingStatus::kDegraded);
+  while (!backward.done()) {
+    const TrackedFrame tracked = backward.next();
+    EXPECT_EQ(tracked.status, TrackingStatus::kDegraded);
+    EXPECT_FALSE(tracked.reason.empty());
+  }
 }
 
 }  // namespace

@@ -44,6 +44,18 @@ TEST(TrajectoryStore, AKeyframeHasItsOwnPose) {
   EXPECT_EQ(entries[0].trajectory.exposure, 0.02);
 }
 
+TEST(TrajectoryStore, KnowsWhichPosesWereDoubtful) {
+  TrajectoryStore store;
+  store.setKeyframePose(1, 3, SE3());
+  TrackedFrame tracked = trackedAt(7, 700, 1, 3, SE3());
+  tracked.status = TrackingStatus::kDegraded;
+  store.addFrame(tracked);
+  EXPECT_TRUE(store.entries().at(0).degraded);
+  tracked.status = TrackingStatus::kTracking;
+  store.addFrame(tracked);  // seen better the second time
+  EXPECT_FALSE(store.entries().at(0).degraded);
+}
+
 TEST(TrajectoryStore, ComposesFramesWithTheNewestPoseOfTheirKeyframe) {
   test::Random random(1);
   const SE3 old_pose = random.pose(1.0, 1.0);

@@ -21,7 +21,8 @@ TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameCons
                                      const ExposureTrajectory& trajectory);
 
 /// Tracks the frames that came before a map's first keyframe, from the newest to the oldest. Ends with the first one
-/// that is lost: beyond it there is nothing to predict from, and what seems to fit is seldom right.
+/// that is lost: beyond it there is nothing to predict from, and what seems to fit is seldom right. From the first one
+/// that is DEGRADED on, all are.
 class BackwardTracking {
  public:
   /// `start`: motion at the initial map's reference frame. Takes those of `frames` (by time) that came before it.
@@ -47,6 +48,7 @@ class BackwardTracking {
   ReferenceConstPtr first_keyframe_;
   MotionState motion_;
   AffineBrightness brightness_;
+  bool seen_badly_ = false;  // the last frame was DEGRADED
 };
 
 }  // namespace mba_vo

@@ -15,6 +15,7 @@ struct TrajectoryEntry {
   std::int64_t mid_exposure_ns = 0;
   MapId map_id = 0;
   ExposureTrajectory trajectory;  // relative to the map
+  bool degraded = false;          // when it was measured
 };
 
 /// Keeps every measured pose relative to its keyframe and the newest pose of every keyframe; composes them only when a
@@ -46,6 +47,7 @@ class TrajectoryStore {
     Eigen::Matrix<float, 6, 1> velocity = Eigen::Matrix<float, 6, 1>::Zero();      // [m/s, rad/s]
     Eigen::Matrix<float, 6, 1> acceleration = Eigen::Matrix<float, 6, 1>::Zero();  // [m/s^2, rad/s^2]
     bool is_keyframe = false;
+    bool degraded = false;
   };
   struct StoredKeyframe {
     std::pair<MapId, KeyframeId> id;

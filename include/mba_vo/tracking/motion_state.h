@@ -7,6 +7,8 @@
 
 namespace mba_vo {
 
+inline constexpr double kLongestPrediction = 0.15;  // [s] no velocity is trusted further away
+
 /// Keeps the last tracked pose and the motion there, from which the next frame is predicted.
 class MotionState {
  public:

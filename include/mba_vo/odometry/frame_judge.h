@@ -1,0 +1,28 @@
+#pragma once
+
+#include "mba_vo/odometry/usual_error.h"
+#include "mba_vo/tracking/tracker.h"
+
+namespace mba_vo {
+
+/// Looks at tracked frames with what is known of those before, and takes trust from the doubtful ones.
+class FrameJudge {
+ public:
+  explicit FrameJudge(const TrackerConfig& config) : config_(config) {}
+
+  /// `lost`: the frame before was. `seconds`: since the last frame that was tracked. After a gap in the images, as
+  /// after a loss, nothing has predicted the pose: a poor one counts as LOST, and a good one has to be confirmed by the
+  /// next frame. So does one that fits much worse than others did.
+  void judge(TrackedFrame& tracked, bool lost, double seconds);
+  /// Another map begins.
+  void reset();
+
+ private:
+  bool isGap(double seconds) const;
+
+  TrackerConfig config_;
+  UsualError usual_error_;
+  double usual_interval_ = 0.0;  // between the last two frames [s]; 0 = unknown
+};
+
+}  // namespace mba_vo

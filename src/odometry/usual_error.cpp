@@ -1,0 +1,29 @@
+#include "mba_vo/odometry/usual_error.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace mba_vo {
+namespace {
+
+constexpr std::size_t kLeastImages = 20;
+constexpr std::size_t kMostImages = 60;  // so that what lasts becomes usual
+constexpr double kTimes = 3.0;           // the median; images of a right map stay below, but for a few
+constexpr double kHarmless = 0.5;        // [px]
+
+}  // namespace
+
+void UsualError::add(double pixel_error) {
+  errors_.push_back(pixel_error);
+  if (errors_.size() > kMostImages) errors_.pop_front();
+}
+
+bool UsualError::isExceededBy(double pixel_error) const {
+  if (errors_.size() < kLeastImages || pixel_error < kHarmless) return false;
+  std::vector<double> sorted(errors_.begin(), errors_.end());
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return pixel_error > kTimes * *middle;
+}
+
+}  // namespace mba_vo
