@@ -6,7 +6,8 @@
 
 namespace mba_vo {
 
-KeyframeDeblurring::KeyframeDeblurring(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer) {
+KeyframeDeblurring::KeyframeDeblurring(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer)
+    : checks_(config.deblur.check) {
   if (!deblurrer) {
     if (config.deblur.method == "none") return;
     deblurrer = makeDeblurrer(config.deblur);
@@ -32,9 +33,12 @@ std::optional<SharpKeyframe> KeyframeDeblurring::takeReady(LocalMap& map, Keyfra
   if (!queue_) return std::nullopt;
   const std::optional<DeblurredKeyframe> ready = queue_->take([&](KeyframeId id) { return map.has(id); });
   if (!ready) return std::nullopt;
-  map.replaceImage(ready->keyframe, ready->result.image);
-  const SharpKeyframe sharp{ready->keyframe, map.frame(ready->keyframe), ready->result.image};
+  SharpKeyframe sharp{ready->keyframe, map.frame(ready->keyframe), ready->result.image, false};
+  if (checks_ && !map.explainsAsWell(sharp.keyframe_id, sharp.image)) return sharp;
+  map.replaceImage(sharp.keyframe_id, sharp.image);
   archive.replace(*map.makeReference(sharp.keyframe_id), *sharp.frame);
+  sharp.in_map = true;
+  ++in_map_;
   return sharp;
 }
 
@@ -44,6 +48,13 @@ void KeyframeDeblurring::beginNext(const LocalMap& map, std::int64_t now_ns) {
 
 void KeyframeDeblurring::forgetMap() {
   if (queue_) queue_->clear();
+}
+
+DeblurCounts KeyframeDeblurring::counts() const {
+  if (!queue_) return {};
+  DeblurCounts counts = queue_->counts();
+  counts.in_map = in_map_;
+  return counts;
 }
 
 }  // namespace mba_vo

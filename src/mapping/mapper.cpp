@@ -176,7 +176,8 @@ class Mapper::Impl {
   /// The tracker is given the sharp image if it is using the blurred one.
   void takeSharpKeyframe(MapperOutput& output) {
     output.sharp_keyframe = deblurring_.takeReady(*map_, recovery_.archive());
-    if (!output.sharp_keyframe || output.sharp_keyframe->keyframe_id != reference_->id.keyframe_id) return;
+    const std::optional<SharpKeyframe>& sharp = output.sharp_keyframe;
+    if (!sharp || !sharp->in_map || sharp->keyframe_id != reference_->id.keyframe_id) return;
     reference_ = map_->makeReference(reference_->id.keyframe_id, health_.doubt());
     output.reference = reference_;
   }
