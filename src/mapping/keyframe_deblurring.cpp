@@ -13,10 +13,15 @@ KeyframeDeblurring::KeyframeDeblurring(const MapperConfig& config, std::shared_p
     deblurrer = makeDeblurrer(config.deblur);
   }
   queue_.emplace(config.deblur_queue, std::move(deblurrer), config.deterministic);
+  if (config.deblur.method == "trajectory" && config.deblur.trajectory.frames > 1) neighbours_.emplace();
 }
 
-void KeyframeDeblurring::offer(const Reference& keyframe, const FrameConstPtr& frame, const ExposureTrajectory& motion,
-                               const std::optional<Vector6>& measured_velocity) {
+void KeyframeDeblurring::remember(const TrackedFrameConstPtr& frame) {
+  if (neighbours_) neighbours_->add(frame);
+}
+
+void KeyframeDeblurring::offer(const LocalMap& map, const Reference& keyframe, const FrameConstPtr& frame,
+                               const ExposureTrajectory& motion, const std::optional<Vector6>& measured_velocity) {
   if (!queue_ || (frame->exposure && !(*frame->exposure > 0.0))) return;
   DeblurTask task;
   task.keyframe = keyframe.id.keyframe_id;
@@ -26,6 +31,7 @@ void KeyframeDeblurring::offer(const Reference& keyframe, const FrameConstPtr& f
   task.input.motion = motion;
   task.input.other_velocity = measured_velocity;
   for (const ReferencePoint& p : keyframe.points) task.input.depths.push_back({p.pixel, p.inverse_depth});
+  if (neighbours_) task.input.neighbours = neighbours_->around(keyframe, frame->sequence, map);
   queue_->offer(std::move(task));
 }
 
@@ -48,6 +54,7 @@ void KeyframeDeblurring::beginNext(const LocalMap& map, std::int64_t now_ns) {
 
 void KeyframeDeblurring::forgetMap() {
   if (queue_) queue_->clear();
+  if (neighbours_) neighbours_->clear();
 }
 
 DeblurCounts KeyframeDeblurring::counts() const {

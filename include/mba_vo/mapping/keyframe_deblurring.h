@@ -8,6 +8,7 @@
 #include "mba_vo/mapping/keyframe_archive.h"
 #include "mba_vo/mapping/local_map.h"
 #include "mba_vo/mapping/mapper_config.h"
+#include "mba_vo/mapping/neighbour_frames.h"
 
 namespace mba_vo {
 
@@ -27,10 +28,12 @@ class KeyframeDeblurring {
   /// `deblurrer`: null for the one that the configuration names.
   KeyframeDeblurring(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer);
 
-  /// A new keyframe. `motion`: relative to it. `measured_velocity`: by another measurement, if there is one.
+  /// With every tracked frame, also one that was tracked again: it may help with a keyframe near by.
+  void remember(const TrackedFrameConstPtr& frame);
+  /// A new keyframe of the map. `motion`: relative to it. `measured_velocity`: by another measurement, if there is one.
   /// An image without exposure time is sharp already.
-  void offer(const Reference& keyframe, const FrameConstPtr& frame, const ExposureTrajectory& motion,
-             const std::optional<Vector6>& measured_velocity);
+  void offer(const LocalMap& map, const Reference& keyframe, const FrameConstPtr& frame,
+             const ExposureTrajectory& motion, const std::optional<Vector6>& measured_velocity);
   /// With every image, before it is used: puts a sharp image that is ready into its place if it is good enough.
   std::optional<SharpKeyframe> takeReady(LocalMap& map, KeyframeArchive& archive);
   /// With every image, after it has been used: begins with another keyframe if it is time to.
@@ -41,8 +44,9 @@ class KeyframeDeblurring {
   DeblurCounts counts() const;
 
  private:
-  bool checks_;                       // images before they get into the map
-  std::optional<DeblurQueue> queue_;  // none if keyframes are not deblurred
+  bool checks_;                                // images before they get into the map
+  std::optional<DeblurQueue> queue_;           // none if keyframes are not deblurred
+  std::optional<NeighbourFrames> neighbours_;  // none if keyframes are deblurred by themselves
   std::uint64_t in_map_ = 0;
 };
 
