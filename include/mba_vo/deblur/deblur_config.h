@@ -9,7 +9,7 @@ struct TrajectoryDeblurConfig {
   double min_blur_px = 4.0;
   double prior_weight = 0.2;
   double max_residual = 1.6;
-  double max_disagreement = 0.3;
+  double max_disagreement = 0.1;
   int steps = 5;
   int iterations = 8;
   int frames = 1;
