@@ -52,7 +52,7 @@ void writeCalibration(const OfflineResult& result, std::ostream& out) {
 void writeDeblurring(const DeblurCounts& counts, std::ostream& out) {
   if (counts.offered == 0) return;
   out << "deblurring: {offered: " << counts.offered << ", waiting: " << counts.waiting
-      << ", sharpened: " << counts.sharpened << ", unsuited: " << counts.unsuited
+      << ", sharpened: " << counts.sharpened << ", in_map: " << counts.in_map << ", unsuited: " << counts.unsuited
       << ", passed_over: " << counts.passed_over << ", too_slow: " << counts.too_slow
       << ", forgotten: " << counts.forgotten << ", unsuited_reason: " << yamlQuoted(counts.unsuited_reason) << "}\n";
 }

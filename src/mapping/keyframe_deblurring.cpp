@@ -6,16 +6,22 @@
 
 namespace mba_vo {
 
-KeyframeDeblurring::KeyframeDeblurring(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer) {
+KeyframeDeblurring::KeyframeDeblurring(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer)
+    : checks_(config.deblur.check) {
   if (!deblurrer) {
     if (config.deblur.method == "none") return;
     deblurrer = makeDeblurrer(config.deblur);
   }
   queue_.emplace(config.deblur_queue, std::move(deblurrer), config.deterministic);
+  if (config.deblur.method == "trajectory" && config.deblur.trajectory.frames > 1) neighbours_.emplace();
 }
 
-void KeyframeDeblurring::offer(const Reference& keyframe, const FrameConstPtr& frame, const ExposureTrajectory& motion,
-                               const std::optional<Vector6>& measured_velocity) {
+void KeyframeDeblurring::remember(const TrackedFrameConstPtr& frame) {
+  if (neighbours_) neighbours_->add(frame);
+}
+
+void KeyframeDeblurring::offer(const LocalMap& map, const Reference& keyframe, const FrameConstPtr& frame,
+                               const ExposureTrajectory& motion, const std::optional<Vector6>& measured_velocity) {
   if (!queue_ || (frame->exposure && !(*frame->exposure > 0.0))) return;
   DeblurTask task;
   task.keyframe = keyframe.id.keyframe_id;
@@ -25,6 +31,7 @@ void KeyframeDeblurring::offer(const Reference& keyframe, const FrameConstPtr& f
   task.input.motion = motion;
   task.input.other_velocity = measured_velocity;
   for (const ReferencePoint& p : keyframe.points) task.input.depths.push_back({p.pixel, p.inverse_depth});
+  if (neighbours_) task.input.neighbours = neighbours_->around(keyframe, frame->sequence, map);
   queue_->offer(std::move(task));
 }
 
@@ -32,9 +39,12 @@ std::optional<SharpKeyframe> KeyframeDeblurring::takeReady(LocalMap& map, Keyfra
   if (!queue_) return std::nullopt;
   const std::optional<DeblurredKeyframe> ready = queue_->take([&](KeyframeId id) { return map.has(id); });
   if (!ready) return std::nullopt;
-  map.replaceImage(ready->keyframe, ready->result.image);
-  const SharpKeyframe sharp{ready->keyframe, map.frame(ready->keyframe), ready->result.image};
+  SharpKeyframe sharp{ready->keyframe, map.frame(ready->keyframe), ready->result.image, false};
+  if (checks_ && !map.explainsAsWell(sharp.keyframe_id, sharp.image)) return sharp;
+  map.replaceImage(sharp.keyframe_id, sharp.image);
   archive.replace(*map.makeReference(sharp.keyframe_id), *sharp.frame);
+  sharp.in_map = true;
+  ++in_map_;
   return sharp;
 }
 
@@ -44,6 +54,14 @@ void KeyframeDeblurring::beginNext(const LocalMap& map, std::int64_t now_ns) {
 
 void KeyframeDeblurring::forgetMap() {
   if (queue_) queue_->clear();
+  if (neighbours_) neighbours_->clear();
+}
+
+DeblurCounts KeyframeDeblurring::counts() const {
+  if (!queue_) return {};
+  DeblurCounts counts = queue_->counts();
+  counts.in_map = in_map_;
+  return counts;
 }
 
 }  // namespace mba_vo

@@ -90,6 +90,12 @@ void LocalMap::searchDepths(const TrackedFrame& tracked) {
   depth_search_ms_ += millisecondsSince(begin);
 }
 
+bool LocalMap::explainsAsWell(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp) const {
+  return window_.explainsAsWell(
+      keyframe, sharp,
+      projectPoints(window_, sharp->level(0).camera, window_.T_map_keyframe(keyframe), window_.velocity(keyframe)));
+}
+
 void LocalMap::replaceImage(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp) {
   HostKeyframe& host = keyframes_.at(keyframe);
   host.image = sharp;

@@ -159,6 +159,7 @@ class Mapper::Impl {
     if (!frame->tracked() || frame->reference.map_id != map_->id()) return {};
     store_.addFrame(*frame);
     choice_.revise(frame);
+    deblurring_.remember(frame);
     return {};
   }
 
@@ -175,8 +176,8 @@ class Mapper::Impl {
 
   /// The tracker is given the sharp image if it is using the blurred one.
   void takeSharpKeyframe(MapperOutput& output) {
-    output.sharp_keyframe = deblurring_.takeReady(*map_, recovery_.archive());
-    if (!output.sharp_keyframe || output.sharp_keyframe->keyframe_id != reference_->id.keyframe_id) return;
+    const auto& sharp = output.sharp_keyframe = deblurring_.takeReady(*map_, recovery_.archive());
+    if (!sharp || !sharp->in_map || sharp->keyframe_id != reference_->id.keyframe_id) return;
     reference_ = map_->makeReference(reference_->id.keyframe_id, health_.doubt());
     output.reference = reference_;
   }
@@ -184,6 +185,7 @@ class Mapper::Impl {
   std::optional<KeyframeReport> integrate(const TrackedFrameConstPtr& frame) {
     store_.addFrame(*frame);
     map_->searchDepths(*frame);
+    deblurring_.remember(frame);
     last_ = {frame->frame->sequence, frame->frame->mid_exposure_ns, frame->trajectory};
     last_keyframe_ = frame->reference.keyframe_id;
     const TrackedFrameConstPtr chosen = choice_.add(frame, map_->T_map_camera(*frame), *reference_);
@@ -208,7 +210,7 @@ class Mapper::Impl {
   void deblur(const FrameConstPtr& frame, const Vector6& acceleration = Vector6::Zero(),
               const std::optional<Vector6>& measured_velocity = std::nullopt) {
     const ExposureTrajectory motion{SE3(), reference_->velocity, frame->exposure.value_or(0.0), acceleration};
-    deblurring_.offer(*reference_, frame, motion, measured_velocity);
+    deblurring_.offer(*map_, *reference_, frame, motion, measured_velocity);
   }
 
   MapperOutput handleLost(const TrackedFrame& frame) {

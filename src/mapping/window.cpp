@@ -6,6 +6,7 @@
 #include <string>
 
 #include "mba_vo/mapping/calibration_system.h"
+#include "mba_vo/mapping/host_error.h"
 #include "mba_vo/mapping/keyframe_retirement.h"
 #include "mba_vo/mapping/window_marginalizer.h"
 #include "mba_vo/mapping/window_optimizer.h"
@@ -198,6 +199,13 @@ void Window::addKeyframe(const WindowKeyframe& keyframe) { impl_->addKeyframe(ke
 void Window::replaceImage(KeyframeId id, std::shared_ptr<const ImagePyramid> sharp) {
   impl_->state_.replaceImage(impl_->state_.indexOf(id), std::move(sharp));
   impl_->pairs_.clear();
+}
+
+bool Window::explainsAsWell(KeyframeId host, const std::shared_ptr<const ImagePyramid>& sharp,
+                            const std::vector<ReferencePoint>& points) const {
+  const int index = impl_->state_.indexOf(host);
+  const auto error = compareHostImages(impl_->state_, index, sharp, points, impl_->linearizer_);
+  return error && error->with_sharp_image <= error->with_own_image;
 }
 
 PointId Window::addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,

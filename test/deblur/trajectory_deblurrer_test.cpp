@@ -72,7 +72,7 @@ TEST(TrajectoryDeblurrer, AWrongMotionIsNoticed) {
 
 TEST(TrajectoryDeblurrer, WhereTwoMeasurementsDisagreeTheImageIsLeft) {
   DeblurInput input = turningScene().input;
-  input.other_velocity = 1.5 * input.motion.velocity;
+  input.other_velocity = 1.15 * input.motion.velocity;
   EXPECT_EQ(deblur(input).reason, "motion uncertain");
   input.other_velocity = 1.02 * input.motion.velocity;
   EXPECT_TRUE(deblur(input).sharpened);

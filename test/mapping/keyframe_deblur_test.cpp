@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "io/temporary_folder.h"
@@ -43,9 +44,10 @@ DeblurResult truth(const DeblurInput& input) {
   return result;
 }
 
-/// With as many keyframes deblurred as the CPU can.
+/// With as many keyframes deblurred as the CPU can, and all of them used.
 MapperConfig eager(bool deterministic) {
   MapperConfig c = config();
+  c.deblur.check = false;
   c.deterministic = deterministic;
   c.deblur_queue.per_second = 1000.0;
   return c;
@@ -63,6 +65,7 @@ TEST(KeyframeDeblur, TheSharpImageTakesThePlaceOfTheBlurredOne) {
   const MapperOutput output = follower.step();
   ASSERT_TRUE(output.sharp_keyframe);
   EXPECT_EQ(output.sharp_keyframe->keyframe_id, first.id.keyframe_id);
+  EXPECT_TRUE(output.sharp_keyframe->in_map);
   EXPECT_EQ(output.sharp_keyframe->frame->mid_exposure_ns, first.mid_exposure_ns);
   const DeblurInput given = deblurrer->inputs().front();
   EXPECT_EQ(given.sequence, output.sharp_keyframe->frame->sequence);
@@ -79,6 +82,47 @@ TEST(KeyframeDeblur, TheSharpImageTakesThePlaceOfTheBlurredOne) {
   EXPECT_EQ(mapper.currentReference(), output.reference);
   for (int i = 0; i < 2; ++i) follower.toNextKeyframe();
   EXPECT_GE(mapper.deblurCounts().sharpened, 2U);
+  EXPECT_EQ(mapper.deblurCounts().in_map, mapper.deblurCounts().sharpened);
+}
+
+TEST(KeyframeDeblur, AnImageThatExplainsTheOtherKeyframesWorseIsHandedOutAlone) {
+  MapperConfig checked = eager(true);
+  checked.deblur.check = true;
+  const auto flipped = [](const DeblurInput& input) {
+    DeblurResult result;
+    cv::Mat1f image;
+    cv::flip(input.image->level(0).intensity, image, 0);
+    result.image = std::make_shared<const ImagePyramid>(image, input.image->level(0).camera, input.image->levels());
+    result.sharpened = true;
+    return result;
+  };
+  Mapper mapper(checked, {}, std::make_shared<FakeDeblurrer>(flipped));
+  Follower follower(mapper, twins().blurred);
+  std::uint64_t handed_out = 0;
+  while (!follower.atEnd()) {
+    const MapperOutput output = follower.step();
+    if (output.reference) {
+      EXPECT_FALSE(output.reference->image_xi.isZero(0.0));
+    }
+    if (!output.sharp_keyframe) continue;
+    ++handed_out;
+    EXPECT_FALSE(output.sharp_keyframe->in_map);
+    EXPECT_NE(output.sharp_keyframe->image, mapper.currentReference()->pyramid);
+  }
+  EXPECT_GT(handed_out, 1U);
+  EXPECT_EQ(mapper.deblurCounts().sharpened, handed_out);
+  EXPECT_EQ(mapper.deblurCounts().in_map, 0U);
+}
+
+/// Where the mapper takes blurred images for sharp ones, a true sharp one explains the others better.
+TEST(KeyframeDeblur, AnImageThatExplainsTheOtherKeyframesBetterGetsIntoTheMap) {
+  MapperConfig checked = eager(true);
+  checked.deblur.check = true;
+  checked.commute_blur = false;
+  Mapper mapper(checked, {}, std::make_shared<FakeDeblurrer>(truth));
+  Follower follower(mapper, twins().blurred);
+  while (!follower.atEnd()) follower.step();
+  EXPECT_GT(mapper.deblurCounts().in_map, 0U);
 }
 
 TEST(KeyframeDeblur, TheMapGoesOnWhileTheCpuIsTooSlow) {

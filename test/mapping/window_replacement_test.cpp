@@ -19,8 +19,19 @@ struct Pair {
                                (Vector6() << -0.01, 0.02, 0.0, 0.03, -0.02, 0.01).finished()};
   std::shared_ptr<const ImagePyramid> sharp = test::pyramidOf(scene.render(camera, T_map_keyframe[0]), camera);
 
-  /// The first keyframe as a host is sharp or blurred.
-  void fill(Window& window, bool is_sharp) const {
+  std::vector<ReferencePoint> points() const {
+    std::vector<ReferencePoint> points;
+    for (int y = 20; y < camera.height - 20; y += 10) {
+      for (int x = 20; x < camera.width - 20; x += 10) {
+        const double inverse_depth = scene.inverseDepth(camera, T_map_keyframe[0], {x, y});
+        points.push_back({Eigen::Vector2f(x, y), static_cast<float>(inverse_depth), 0.0F});
+      }
+    }
+    return points;
+  }
+
+  /// The first keyframe as a host is sharp or blurred; `knows`: that it is.
+  void fill(Window& window, bool is_sharp, bool knows = true) const {
     for (std::size_t i = 0; i < 2; ++i) {
       WindowKeyframe keyframe;
       keyframe.id = static_cast<KeyframeId>(i);
@@ -28,13 +39,12 @@ struct Pair {
       keyframe.T_map_keyframe = T_map_keyframe[i];
       keyframe.xi = xi[i];
       keyframe.sharp = i == 0 && is_sharp ? sharp : keyframe.original;
-      if (keyframe.sharp == keyframe.original) keyframe.image_xi = xi[i];
+      if (knows && keyframe.sharp == keyframe.original) keyframe.image_xi = xi[i];
       window.addKeyframe(keyframe);
     }
-    for (int y = 20; y < camera.height - 20; y += 10) {
-      for (int x = 20; x < camera.width - 20; x += 10) {
-        window.addPoint(0, {x, y}, scene.inverseDepth(camera, T_map_keyframe[0], {x, y}));
-      }
+    for (const ReferencePoint& p : points()) {
+      const Eigen::Vector2d pixel = p.pixel.cast<double>();
+      window.addPoint(0, pixel, scene.inverseDepth(camera, T_map_keyframe[0], pixel));
     }
   }
 };
@@ -67,6 +77,32 @@ TEST(WindowReplacement, TheWindowGoesOnFromThere) {
   EXPECT_LE(summary.final_cost, summary.initial_cost);
   EXPECT_LT((window.T_map_keyframe(1).inverse() * pair.T_map_keyframe[1]).log().norm(), 1e-3);
   EXPECT_THROW(window.replaceImage(7, pair.sharp), std::invalid_argument);
+}
+
+TEST(WindowReplacement, TellsWhetherAnImageExplainsTheOthersAsWell) {
+  const Pair pair;
+  const auto wrong = test::pyramidOf(pair.scene.render(pair.camera, pair.T_map_keyframe[1]), pair.camera);
+  for (const bool knows : {true, false}) {
+    Window window(WindowConfig(), true);
+    pair.fill(window, false, knows);
+    EXPECT_FALSE(window.explainsAsWell(0, wrong, pair.points()));
+    if (!knows) {
+      EXPECT_TRUE(window.explainsAsWell(0, pair.sharp, pair.points())) << "the blurred one passes for sharp";
+    }
+    EXPECT_FALSE(window.explainsAsWell(0, pair.sharp, {})) << "nothing to compare";
+  }
+}
+
+TEST(WindowReplacement, TryingAnImageChangesNothing) {
+  const Pair pair;
+  Window tried(WindowConfig(), true), other(WindowConfig(), true);
+  for (Window* window : {&tried, &other}) {
+    pair.fill(*window, false);
+    window->optimize(2);
+  }
+  tried.explainsAsWell(0, pair.sharp, pair.points());
+  EXPECT_EQ(tried.optimize(3).final_cost, other.optimize(3).final_cost);
+  EXPECT_EQ(tried.T_map_keyframe(1).log(), other.T_map_keyframe(1).log());
 }
 
 }  // namespace

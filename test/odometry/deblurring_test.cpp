@@ -1,9 +1,13 @@
 #include <cstddef>
+#include <cstdio>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 
+#include "io/temporary_folder.h"
 #include "mba_vo/odometry/config_yaml.h"
 #include "mba_vo/odometry/odometry.h"
 #include "odometry/outcome.h"
@@ -26,10 +30,12 @@ const std::vector<FrameConstPtr>& images() {
   return kFrames;
 }
 
-Odometry makeOdometry(const std::string& method) {
+Odometry makeOdometry(const std::string& method, bool check = false, const std::string& images = "") {
   OdometryConfig config;
   config.mapper.deterministic = true;
   config.mapper.deblur.method = method;
+  config.mapper.deblur.check = check;
+  config.mapper.deblur.folder.images = images;
   config.mapper.deblur.trajectory.min_blur_px = 1.0;
   config.mapper.deblur.trajectory.max_disagreement = 10.0;
   config.mapper.deblur_queue.per_second = 5.0;
@@ -61,6 +67,25 @@ TEST(Deblurring, DeterministicRunsDoNotDependOnTime) {
   Odometry without = makeOdometry("none");
   const std::vector<Outcome> blurred = run(without);
   EXPECT_NE(blurred.back().pose, first.back().pose);
+}
+
+/// The images of the folder stand on their heads: none can get into the map.
+TEST(Deblurring, WhereNoSharpImageGetsIntoTheMapAllIsAsWithout) {
+  const TemporaryFolder folder;
+  for (const FrameConstPtr& frame : images()) {
+    char name[32];
+    std::snprintf(name, sizeof(name), "%06d.png", static_cast<int>(frame->sequence));
+    cv::Mat1f wrong;
+    cv::flip(frame->pyramid.level(0).intensity, wrong, 0);
+    cv::imwrite(folder.file(name), wrong);
+  }
+  Odometry odometry = makeOdometry("folder", true, folder.file(""));
+  const std::vector<Outcome> outcomes = run(odometry);
+  EXPECT_GT(odometry.deblurCounts().sharpened, 1U);
+  EXPECT_EQ(odometry.deblurCounts().in_map, 0U);
+
+  Odometry without = makeOdometry("none");
+  test::expectSame(outcomes, run(without));
 }
 
 TEST(Deblurring, AResetLeavesNoSharpKeyframeBehind) {

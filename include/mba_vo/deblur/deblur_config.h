@@ -9,7 +9,7 @@ struct TrajectoryDeblurConfig {
   double min_blur_px = 4.0;
   double prior_weight = 0.2;
   double max_residual = 1.6;
-  double max_disagreement = 0.3;
+  double max_disagreement = 0.1;
   int steps = 5;
   int iterations = 8;
   int frames = 1;
@@ -65,6 +65,7 @@ struct FolderDeblurConfig {
 /// Options of all deblurrers. `describe` names every option once, for YAML, ROS parameters and documentation.
 struct DeblurConfig {
   std::string method = "none";
+  bool check = true;
   TrajectoryDeblurConfig trajectory;
   OnnxDeblurConfig onnx;
   FolderDeblurConfig folder;
@@ -75,6 +76,8 @@ struct DeblurConfig {
       "how keyframes are deblurred: none, trajectory (along the path of each pixel), onnx (a network) or folder "
       "(images "
       "made beforehand)");
+    v("check", c.check,
+      "a sharp image is used in the map only if with it the keyframe explains the others of the window no worse");
     v.section("trajectory", c.trajectory);
     v.section("onnx", c.onnx);
     v.section("folder", c.folder);

@@ -36,11 +36,12 @@ struct DeblurredKeyframe {
   DeblurResult result;  // sharpened
 };
 
-/// What became of the keyframes offered; each is counted in exactly one of the others.
+/// What became of the keyframes offered; each is counted in exactly one of the others, in_map aside.
 struct DeblurCounts {
   std::uint64_t offered = 0;
   std::uint64_t waiting = 0;      // that is being worked on, too
   std::uint64_t sharpened = 0;    // their sharp images were handed out
+  std::uint64_t in_map = 0;       // of these, have taken the place of the blurred ones in the map
   std::uint64_t unsuited = 0;     // the deblurrer left them as they are
   std::string unsuited_reason;    // of the last one
   std::uint64_t passed_over = 0;  // others had more to gain, at the rate allowed

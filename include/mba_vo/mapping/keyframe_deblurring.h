@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 
@@ -7,38 +8,46 @@
 #include "mba_vo/mapping/keyframe_archive.h"
 #include "mba_vo/mapping/local_map.h"
 #include "mba_vo/mapping/mapper_config.h"
+#include "mba_vo/mapping/neighbour_frames.h"
 
 namespace mba_vo {
 
-/// A keyframe of the map whose blurred image has been replaced.
+/// A keyframe of the map that has been deblurred.
 struct SharpKeyframe {
   KeyframeId keyframe_id = 0;
   FrameConstPtr frame;                        // as it came
   std::shared_ptr<const ImagePyramid> image;  // sharp
+  bool in_map = false;                        // it has taken the place of the blurred one
 };
 
 /// Gives keyframes to the deblurrer while the map goes on with their blurred images, and puts the sharp ones in their
-/// places: in the window, and among the keyframes that a lost camera is found by.
+/// places: in the window, and among the keyframes that a lost camera is found by. A sharp image with which the keyframe
+/// would explain the others of the window worse does not get into the map.
 class KeyframeDeblurring {
  public:
   /// `deblurrer`: null for the one that the configuration names.
   KeyframeDeblurring(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer);
 
-  /// A new keyframe. `motion`: relative to it. `measured_velocity`: by another measurement, if there is one.
+  /// With every tracked frame, also one that was tracked again: it may help with a keyframe near by.
+  void remember(const TrackedFrameConstPtr& frame);
+  /// A new keyframe of the map. `motion`: relative to it. `measured_velocity`: by another measurement, if there is one.
   /// An image without exposure time is sharp already.
-  void offer(const Reference& keyframe, const FrameConstPtr& frame, const ExposureTrajectory& motion,
-             const std::optional<Vector6>& measured_velocity);
-  /// With every image, before it is used: puts a sharp image that is ready into its place.
+  void offer(const LocalMap& map, const Reference& keyframe, const FrameConstPtr& frame,
+             const ExposureTrajectory& motion, const std::optional<Vector6>& measured_velocity);
+  /// With every image, before it is used: puts a sharp image that is ready into its place if it is good enough.
   std::optional<SharpKeyframe> takeReady(LocalMap& map, KeyframeArchive& archive);
   /// With every image, after it has been used: begins with another keyframe if it is time to.
   void beginNext(const LocalMap& map, std::int64_t now_ns);
   /// The map is no more.
   void forgetMap();
 
-  DeblurCounts counts() const { return queue_ ? queue_->counts() : DeblurCounts(); }
+  DeblurCounts counts() const;
 
  private:
-  std::optional<DeblurQueue> queue_;  // none if keyframes are not deblurred
+  bool checks_;                                // images before they get into the map
+  std::optional<DeblurQueue> queue_;           // none if keyframes are not deblurred
+  std::optional<NeighbourFrames> neighbours_;  // none if keyframes are deblurred by themselves
+  std::uint64_t in_map_ = 0;
 };
 
 }  // namespace mba_vo

@@ -53,6 +53,8 @@ class LocalMap {
   /// Makes it a better one: optimises the window, marginalises, selects new points. Completes the report.
   void refineWindow(KeyframeReport& report);
 
+  /// Whether with the sharp image in place of its own the keyframe would explain the others of the window no worse.
+  bool explainsAsWell(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp) const;
   /// From now on the sharp image is what the keyframe's points are seen in.
   void replaceImage(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp);
   /// That the keyframe was made of.

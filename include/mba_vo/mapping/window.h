@@ -95,6 +95,10 @@ class Window {
   void addKeyframe(const WindowKeyframe& keyframe);
   /// The image of a host has become sharp. What depended on the old one is made anew by `optimize`.
   void replaceImage(KeyframeId id, std::shared_ptr<const ImagePyramid> sharp);
+  /// Whether the host with that image instead of its own would explain the other keyframes no worse, by these points
+  /// seen from it; false if it cannot be told. Changes nothing.
+  bool explainsAsWell(KeyframeId host, const std::shared_ptr<const ImagePyramid>& sharp,
+                      const std::vector<ReferencePoint>& points) const;
   /// Adds a point with residuals to every other keyframe of the window in which it is visible.
   /// Measured depths give the window their scale; without any it keeps that of its first keyframes.
   PointId addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,

@@ -57,6 +57,7 @@ void MapperStatusReporter::keyframesDeblurred(const DeblurCounts& counts) {
   status_.deblur_offered = counts.offered;
   status_.deblur_waiting = counts.waiting;
   status_.deblur_sharpened = counts.sharpened;
+  status_.deblur_in_map = counts.in_map;
   status_.deblur_unsuited = counts.unsuited;
   status_.deblur_reason = counts.unsuited_reason;
   status_.deblur_passed_over = counts.passed_over;

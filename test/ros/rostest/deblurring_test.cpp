@@ -35,6 +35,7 @@ TEST(Deblurring, SharpKeyframesArePublishedAndEveryOneIsAccountedFor) {
   const MapperStatus& status = *outputs.mapper_status.back();
   EXPECT_GE(status.deblur_offered, status.keyframes) << "and the first one of the map";
   EXPECT_EQ(accountedFor(status), status.deblur_offered);
+  EXPECT_LE(status.deblur_in_map, status.deblur_sharpened);
   for (const sensor_msgs::ImageConstPtr& image : outputs.keyframe_sharp) {
     EXPECT_EQ(image->encoding, "mono8");
     EXPECT_EQ(image->width, 376U);
