@@ -17,11 +17,16 @@ void FrameJudge::judge(TrackedFrame& tracked, bool lost, double seconds) {
   if (usual_error_.isExceededBy(tracked.pixel_error)) {
     degrade(tracked, "the image differs from the reference much more than others do");
   }
+  if (usual_expected_error_.isExceededBy(tracked.expected_error)) {
+    degrade(tracked, "the pose is known much worse than others are");
+  }
   usual_error_.add(tracked.pixel_error);
+  usual_expected_error_.add(tracked.expected_error);
 }
 
 void FrameJudge::reset() {
   usual_error_.reset();
+  usual_expected_error_.reset();
   usual_interval_ = 0.0;
 }
 

@@ -91,7 +91,7 @@ template <int Rows>
     const float one = valid ? 1.0F : 0.0F;
     out.weight[k] = valid ? weight : 0.0F;
     out.cost[k] = valid ? cost : leaving;
-    out.squares[k] = certainty * limited * magnitude;
+    out.squares[k] = valid ? certainty * limited * magnitude : 0.0F;  // certainty is NaN then
     out.inlier[k] = inlier ? one : 0.0F;
     out.rows[Rows - 2][k] = one;
     out.rows[Rows - 1][k] = residual;

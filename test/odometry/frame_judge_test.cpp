@@ -38,6 +38,18 @@ TEST(FrameJudge, LongIntervalsAreNoGapsIfTheyAreRegular) {
   EXPECT_EQ(judged(judge, tracked(0.9, 0.2), false, 0.7), TrackingStatus::kDegraded);
 }
 
+TEST(FrameJudge, WhatIsKnownMuchWorseThanUsualIsDoubtful) {
+  for (const double usual : {0.1, 0.4}) {
+    FrameJudge judge{TrackerConfig()};
+    TrackedFrame frame = tracked(0.95, 0.15);
+    frame.expected_error = usual;
+    for (int i = 0; i < 30; ++i) EXPECT_EQ(judged(judge, frame, false, kInterval), TrackingStatus::kTracking);
+    frame.expected_error = 0.7;
+    EXPECT_EQ(judged(judge, frame, false, kInterval),
+              usual < 0.2 ? TrackingStatus::kDegraded : TrackingStatus::kTracking);
+  }
+}
+
 TEST(FrameJudge, WhatFitsMuchWorseThanUsualIsDoubtful) {
   FrameJudge judge{TrackerConfig()};
   for (int i = 0; i < 30; ++i) judged(judge, tracked(0.95, 0.15), false, kInterval);

@@ -36,6 +36,7 @@ Sample randomSample(test::Random& random, bool rolling) {
     s.intensity[k] = static_cast<float>(kGain * s.predicted.value[k] + kOffset + random.uniform(-20.0, 20.0));
   }
   s.predicted.value[7] = s.intensity[30] = std::numeric_limits<float>::quiet_NaN();
+  s.predicted.gx[7] = s.predicted.gy[7] = std::numeric_limits<float>::quiet_NaN();
   for (int i = 0; i < 2; ++i) {
     const auto part = static_cast<std::size_t>(i);
     for (int row = 0; row < 2; ++row) {
@@ -78,6 +79,7 @@ void expectSameAsPixelByPixel(bool moving, bool rolling) {
     model.cost += sums.cost;
     model.add(sums, s.path, kGain, moving, rolling);
     EXPECT_EQ(sums.pixels, kPixels - 2);
+    EXPECT_TRUE(std::isfinite(sums.weighted_squares));
     Eigen::Matrix<double, 14, 1> gradient = Eigen::Matrix<double, 14, 1>::Zero();
     for (std::size_t k = 0; k < kPixels; ++k) {
       const double r = s.intensity[k] - (kGain * s.predicted.value[k] + kOffset);

@@ -12,7 +12,7 @@ class FrameJudge {
 
   /// `lost`: the frame before was. `seconds`: since the last frame that was tracked. After a gap in the images, as
   /// after a loss, nothing has predicted the pose: a poor one counts as LOST, and a good one has to be confirmed by the
-  /// next frame. So does one that fits much worse than others did.
+  /// next frame. So does one that fits, or is known, much worse than others did.
   void judge(TrackedFrame& tracked, bool lost, double seconds);
   /// Another map begins.
   void reset();
@@ -22,6 +22,7 @@ class FrameJudge {
 
   TrackerConfig config_;
   UsualError usual_error_;
+  UsualError usual_expected_error_;
   double usual_interval_ = 0.0;  // between the last two frames [s]; 0 = unknown
 };
 

@@ -24,7 +24,7 @@ struct TrackerConfig {
   double degraded_inlier_fraction = 0.6;
   double degraded_pixel_error = 1.2;
   double max_pixel_error = 3.0;
-  double degraded_expected_error = 0.5;
+  double degraded_expected_error = 1.0;
   int min_patches = 20;
   MotionPriorConfig motion_prior;
 
