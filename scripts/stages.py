@@ -12,7 +12,7 @@ import os
 
 import numpy as np
 
-STAGES = ["activation", "deblur", "optimisation", "calibration", "marginalisation", "selection"]
+STAGES = ["activation", "optimisation", "calibration", "marginalisation", "selection"]
 
 
 def read_rows(folder, name):

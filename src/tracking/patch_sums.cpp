@@ -91,7 +91,7 @@ template <int Rows>
     const float one = valid ? 1.0F : 0.0F;
     out.weight[k] = valid ? weight : 0.0F;
     out.cost[k] = valid ? cost : leaving;
-    out.squares[k] = valid ? certainty * limited * magnitude : 0.0F;  // certainty is NaN then
+    out.squares[k] = certainty * limited * magnitude;
     out.inlier[k] = inlier ? one : 0.0F;
     out.rows[Rows - 2][k] = one;
     out.rows[Rows - 1][k] = residual;
@@ -135,6 +135,12 @@ template <int Rows>
   for (int k = size; k < count; ++k) {
     pixels.weight[k] = pixels.cost[k] = pixels.squares[k] = pixels.inlier[k] = 0.0F;
     pixels.rows[Rows - 2][k] = pixels.rows[Rows - 1][k] = 0.0F;
+  }
+  const float* __restrict valid = pixels.rows[Rows - 2];
+#pragma GCC unroll 1
+  for (int k = 0; k < count; ++k) {
+    const float square = pixels.squares[k];
+    pixels.squares[k] = valid[k] > 0.0F ? square : 0.0F;  // the certainty of an invalid pixel is NaN
   }
   copyMoments(predicted, count, pixels);
   float* __restrict pair = out.pairs;
