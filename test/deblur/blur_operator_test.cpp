@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "deblur/transpose_check.h"
 #include "mba_vo/blur/reblur.h"
 
 namespace mba_vo {
@@ -29,13 +30,6 @@ cv::Mat1f slantedDepth(const PinholeCamera& camera) {
   return depth;
 }
 
-cv::Mat1f randomImage(cv::Size size, int seed) {
-  cv::RNG rng(static_cast<std::uint64_t>(seed));
-  cv::Mat1f image(size);
-  rng.fill(image, cv::RNG::UNIFORM, 0.0, 255.0);
-  return image;
-}
-
 /// Smooth enough to be interpolated well.
 float smoothIntensity(float x, float y) { return 120.0F + 60.0F * std::sin(0.21F * x) * std::cos(0.17F * y + 0.4F); }
 
@@ -43,21 +37,11 @@ BlurOperator makeOperator(const ExposureTrajectory& motion) {
   return {{kCamera, kCamera, motion}, slantedDepth(kCamera), BlurOperator::gridFor(kCamera, kReach)};
 }
 
-TEST(BlurOperator, TransposedIsTheTranspose) {
-  const BlurOperator blur = makeOperator(turningMotion());
-  const cv::Mat1f x = randomImage(blur.grid().size, 1);
-  const cv::Mat1f y = randomImage(blur.observedSize(), 2);
-  cv::Mat1f Ax;
-  blur.apply(x, Ax);
-  cv::Mat1f Aty(x.size(), 0.0F);
-  blur.addTransposed(y, Aty);
-  const double left = Ax.dot(y);
-  EXPECT_NEAR(left, x.dot(Aty), 1e-6 * left);
-}
+TEST(BlurOperator, TransposedIsTheTranspose) { test::expectExactTranspose(makeOperator(turningMotion())); }
 
 TEST(BlurOperator, TransposedAddsToWhatIsThere) {
   const BlurOperator blur = makeOperator(turningMotion());
-  const cv::Mat1f y = randomImage(blur.observedSize(), 2);
+  const cv::Mat1f y = test::randomImage(blur.observedSize(), 2);
   cv::Mat1f once(blur.grid().size, 0.0F);
   blur.addTransposed(y, once);
   cv::Mat1f more(blur.grid().size, 7.0F);
@@ -87,7 +71,7 @@ TEST(BlurOperator, KnowsWhatItLeavesOfNoise) {
 
 TEST(BlurOperator, WithoutMotionNothingChanges) {
   const BlurOperator blur = makeOperator({SE3(), Vector6::Zero(), 0.02});
-  const cv::Mat1f sharp = randomImage(blur.grid().size, 3);
+  const cv::Mat1f sharp = test::randomImage(blur.grid().size, 3);
   cv::Mat1f blurred;
   blur.apply(sharp, blurred);
   const cv::Rect image(0, 0, kCamera.width, kCamera.height);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "deblur/transpose_check.h"
 #include "deblur/two_frames.h"
 #include "mba_vo/deblur/blur_operator.h"
 
@@ -25,24 +26,7 @@ cv::Mat1f overlayOf(const TwoFrames& frames, const DeblurNeighbour& neighbour) {
                  denseInverseDepth(neighbour, roomSimulator().camera(), frames.input.depths));
 }
 
-cv::Mat1f randomImage(cv::Size size, int seed) {
-  cv::RNG rng(static_cast<std::uint64_t>(seed));
-  cv::Mat1f image(size);
-  rng.fill(image, cv::RNG::UNIFORM, 0.0, 255.0);
-  return image;
-}
-
-TEST(Neighbour, ItsOperatorHasAnExactTranspose) {
-  const BlurOperator blur = neighbourOperator(crossedFrames());
-  const cv::Mat1f x = randomImage(blur.grid().size, 1);
-  const cv::Mat1f y = randomImage(blur.observedSize(), 2);
-  cv::Mat1f Ax;
-  blur.apply(x, Ax);
-  cv::Mat1f Aty(x.size(), 0.0F);
-  blur.addTransposed(y, Aty);
-  const double left = Ax.dot(y);
-  EXPECT_NEAR(left, x.dot(Aty), 1e-6 * left);
-}
+TEST(Neighbour, ItsOperatorHasAnExactTranspose) { test::expectExactTranspose(neighbourOperator(crossedFrames())); }
 
 /// What the operator makes of the rendered sharp keyframe is the rendered neighbour, up to noise, depth edges and
 /// tiles. Returns the rms [grey levels] over pixels off the border.
