@@ -31,12 +31,11 @@ bool CommutedBlur::referencePath(const Eigen::Vector2d& centre, double inverse_d
   PatchPath transfer;
   PatchPath own;
   if (!to_reference_.makeWithoutPose(centre, inverse_depth, transfer)) return false;
-  applySlope(slope, transfer.c0.cast<double>(), transfer);
+  applySlope(slope, transfer.c0.cast<double>(), transfer, SlopeDerivatives::kInverseDepth);
   if (!within_reference_.makeWithoutPose(transfer.c0.cast<double>(), inverse_depth, own)) return false;
-  applySlope(slope, own.c0.cast<double>(), own);
+  applySlope(slope, own.c0.cast<double>(), own, SlopeDerivatives::kInverseDepth);
   // The frame's pixel c + A0^-1 m looks where the reference's own pixel displaced by m looks.
   const Eigen::Matrix2f to_frame = transfer.A0.inverse();
-  path = transfer;
   path.c0 = centre.cast<float>();
   path.c1 = to_frame * own.c1;
   path.c2 = to_frame * own.c2;

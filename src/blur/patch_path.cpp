@@ -197,13 +197,15 @@ bool makePatchPath(const PinholeCamera& reference_camera, const PinholeCamera& c
 }
 
 int sampleCount(float length_px, float spacing_px, int max_samples) {
-  return std::clamp(static_cast<int>(std::ceil(length_px / spacing_px)), 1, max_samples);
+  const float wanted = std::min(static_cast<float>(max_samples), length_px / spacing_px);
+  const int whole = static_cast<int>(wanted);  // not std::ceil, a library call without SSE4.1
+  return std::max(static_cast<float>(whole) < wanted ? whole + 1 : whole, 1);
 }
 
 /// A pixel of the camera looks at x on the plane d and at x + J e on the plane d + e. With e = g . (x' - x0) its place
 /// x' on the slanted plane is x0 + M (x - x0), M = (I - J g^T)^-1 = I + J g^T / (1 - g . J), J = J0 + u J1; M to first
 /// order in u is M0 + u M1, M1 = M0 J1 g^T M0.
-void applySlope(const Eigen::Vector2d& slope, const Eigen::Vector2d& anchor, PatchPath& path) {
+void applySlope(const Eigen::Vector2d& slope, const Eigen::Vector2d& anchor, PatchPath& path, SlopeDerivatives wanted) {
   const Eigen::Vector2d J0 = path.J_inverse_depth[0];
   const Eigen::Vector2d J1 = path.J_inverse_depth[1];
   const double stretch = slope.norm() * J0.norm();
@@ -224,11 +226,13 @@ void applySlope(const Eigen::Vector2d& slope, const Eigen::Vector2d& anchor, Pat
     J[1] = (M0 * J[1] + M1 * J[0]).eval();
     J[0] = (M0 * J[0]).eval();
   };
+  transform(path.J_inverse_depth);
+  if (wanted == SlopeDerivatives::kInverseDepth) return;
   transform(path.J_pose);
+  if (wanted == SlopeDerivatives::kPose) return;
   transform(path.J_xi);
   path.J_xi[0] += M1 * path.J_xi_row;
   path.J_xi_row = (M0 * path.J_xi_row).eval();
-  transform(path.J_inverse_depth);
 }
 
 }  // namespace mba_vo

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "mba_vo/blur/multiversion.h"
+#include "mba_vo/blur/texel_corners.h"
 
 namespace mba_vo {
 namespace {
@@ -74,16 +75,8 @@ template <int Lanes>
       fy[k] = y_in - static_cast<float>(iy);
       index[k] = iy * image.stride + ix;
     }
-    // The four texels of each sample, as separate loads: gather instructions are no faster and not everywhere.
     alignas(64) float i00[Lanes], i10[Lanes], i01[Lanes], i11[Lanes];
-#pragma GCC unroll 16
-    for (int k = 0; k < Lanes; ++k) {
-      const float* texel = data + index[k];
-      i00[k] = texel[0];
-      i10[k] = texel[1];
-      i01[k] = texel[image.stride];
-      i11[k] = texel[image.stride + 1];
-    }
+    readCorners<Lanes>(data, image.stride, index, i00, i10, i01, i11);
     for (int k = 0; k < Lanes; ++k) {
       const float upper = i10[k] - i00[k];
       const float lower = i11[k] - i01[k];

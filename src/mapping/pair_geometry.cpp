@@ -27,7 +27,7 @@ bool makeWithPose(const FixedMotionPathMaker& maker, const PairGeometry& pair, c
   const Eigen::Vector2d pixel = centre.cast<double>();
   if (!maker.make(pixel, point.inverse_depth, path, point.pixel.y())) return false;
   applyLens(pair, pixel, path);
-  applySlope(point.slope, point.pixel, path);
+  applySlope(point.slope, point.pixel, path, SlopeDerivatives::kPose);
   return true;
 }
 
@@ -62,7 +62,7 @@ bool makePath(const PairGeometry& pair, const Eigen::Vector2i& centre, const Poi
   const Eigen::Vector2d pixel = centre.cast<double>();
   if (!pair.path->makeWithoutPose(pixel, point.inverse_depth, path, point.pixel.y())) return false;
   applyLens(pair, pixel, path);
-  applySlope(point.slope, point.pixel, path);
+  applySlope(point.slope, point.pixel, path, SlopeDerivatives::kInverseDepth);
   return true;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "mba_vo/blur/multiversion.h"
+#include "mba_vo/blur/texel_corners.h"
 
 namespace mba_vo {
 namespace {
@@ -30,14 +31,7 @@ struct Samples {
     index[k] = iy * stride + ix;
   }
   alignas(32) float i00[kLanes], i10[kLanes], i01[kLanes], i11[kLanes];
-#pragma GCC unroll 8
-  for (int k = 0; k < kLanes; ++k) {
-    const float* texel = data + index[k];
-    i00[k] = texel[0];
-    i10[k] = texel[1];
-    i01[k] = texel[stride];
-    i11[k] = texel[stride + 1];
-  }
+  readCorners<kLanes>(data, stride, index, i00, i10, i01, i11);
   for (int k = 0; k < kLanes; ++k) {
     const float upper = i10[k] - i00[k];
     const float lower = i11[k] - i01[k];

@@ -43,9 +43,11 @@ struct PatchPath {
 };
 
 /// Turns a path made for a fronto-parallel plane into that for the slanted plane with inverse depth d + slope . (x -
-/// anchor) at pixel x of the reference, d being that of the fronto-parallel one. Path and derivatives are those of the
-/// slanted plane; parallax so large that the plane is seen nearly edge-on is limited.
-void applySlope(const Eigen::Vector2d& slope, const Eigen::Vector2d& anchor, PatchPath& path);
+/// anchor) at pixel x of the reference, d being that of the fronto-parallel one. Path and derivatives, as far as they
+/// are wanted, are those of the slanted plane; parallax so large that the plane is seen nearly edge-on is limited.
+enum class SlopeDerivatives { kInverseDepth, kPose, kAll };  // each with those before it; kAll: by xi too
+void applySlope(const Eigen::Vector2d& slope, const Eigen::Vector2d& anchor, PatchPath& path,
+                SlopeDerivatives wanted = SlopeDerivatives::kAll);
 
 /// Makes the paths of many patches for one exposure trajectory (relative to the reference); what depends on the
 /// trajectory alone is computed once. With a rolling shutter (PinholeCamera::row_time) the rows of the patch's centre
