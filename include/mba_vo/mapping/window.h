@@ -19,8 +19,8 @@ struct CalibrationSystem;
 /// Options of the windowed photometric bundle adjustment.
 struct WindowConfig {
   int max_keyframes = 7;
-  int max_points = 2000;
-  int max_iterations = 5;
+  int max_points = 1600;
+  int max_iterations = 4;
   double huber_threshold = 9.0;
   bool reblur_targets = true;
   double gradient_constant = 50.0;
