@@ -11,6 +11,7 @@ set -euo pipefail
 core=(
   cmake g++ make
   libcli11-dev libeigen3-dev libgmock-dev libgtest-dev libopencv-dev libsuitesparse-dev libtbb-dev libyaml-cpp-dev
+  python3-numpy  # scripts that measure
 )
 ros=(
   # to build
