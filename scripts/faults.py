@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Spoils sequences on purpose, seed by seed, and checks what the odometry makes of it.
 
-  scripts/faults.py [--bin DIR] [--seeds FIRST:LAST] [--kinds KINDS] SEQUENCE... [-- OPTION...]
+  scripts/faults.py [--bin DIR] [--seeds FIRST:LAST] [--kinds KINDS] [--offset X Y Z] SEQUENCE... [-- OPTION...]
 
 A SEQUENCE is a folder with groundtruth.txt; the options after -- go to mba_vo_offline. Printed for each run, if anything
 is wrong, and at the end for all:
@@ -48,7 +48,7 @@ def errors_of(estimate, truth):
     return error / max(scale, 1e-9)
 
 
-def check(output, folder):
+def check(output, folder, offset):
     result = collections.Counter()
     with open(os.path.join(output, "faults.csv")) as file:
         faults = list(csv.DictReader(file))
@@ -62,7 +62,7 @@ def check(output, folder):
     result["posed"] += len(times)
     source = {f["time"]: float(f["source_time"]) for f in faults}
     status = {f["time"]: frames[f["sequence"]]["status"] for f in faults if f["sequence"] in frames}
-    truth = Truth(folder)
+    truth = Truth(folder, offset)
     spoken = {float(t): t for t in source}
     keys = [spoken.get(t) for t in times]
     for number in sorted(set(maps)):
@@ -101,7 +101,7 @@ def spoil(arguments, folder, seed):
             return seed, collections.Counter(failed=1), "did not end in time"
         if run.returncode not in (0, 1) or "no frame could be tracked" not in run.stderr and run.returncode == 1:
             return seed, collections.Counter(failed=1), "exit status %d: %s" % (run.returncode, run.stderr[-300:])
-        result = check(output, folder)
+        result = check(output, folder, arguments.offset)
         return seed, result, ""
 
 
@@ -113,6 +113,8 @@ def main():
     parser.add_argument("--kinds", default="all", help="faults, separated by commas; see mba_vo_offline --help")
     parser.add_argument("--jobs", type=int, default=2, help="runs at a time")
     parser.add_argument("--timeout", type=float, default=300.0, help="[s] per run")
+    parser.add_argument("--offset", type=float, nargs=3, default=(0.0, 0.0, 0.0), metavar=("X", "Y", "Z"),
+                        help="of the camera from the point whose poses are the ground truth, in its axes [m]")
     parser.add_argument("--keep", default="", help="folder for the results of the runs")
     words = sys.argv[1:]
     end = words.index("--") if "--" in words else len(words)
