@@ -84,10 +84,11 @@ DepthSearcher::DepthSearcher(const ImageLevel& host, const ImageLevel& frame, co
       config_(config),
       T_host_(T_host),
       host_velocity_(host_velocity),
+      T_frame_host_(T_host.T_reference_mid.inverse()),
       gain_(gain),
       offset_(offset),
-      transform_(host_->camera, frame_->camera, T_host.T_reference_mid.inverse()),
-      patch_maker_(*host_, frame_->camera, T_host, gain, offset, config.min_blur_px) {}
+      transform_(host_->camera, frame_->camera, T_frame_host_),
+      patch_maker_(*host_, frame_->camera, ExposedPoses(T_host), gain, offset, config.min_blur_px) {}
 
 void DepthSearcher::search(ImmaturePoint& point) const {
   if (point.state == ImmaturePoint::State::kOutlier || point.measured.known()) return;
@@ -96,16 +97,15 @@ void DepthSearcher::search(ImmaturePoint& point) const {
   }
   if (host_->camera.row_time != 0.0 || frame_->camera.row_time != 0.0) {
     searchRolling(point);
-  } else {
-    searchLine(EpipolarLine(transform_, point.pixel.cast<double>()), point);
+    return;
   }
+  const EpipolarLine line(transform_, point.pixel.cast<double>());
+  Range range{};
+  if (chooseRange(line, point, range)) searchRange({line, patch_maker_}, range, point);
 }
 
-void DepthSearcher::searchLine(const EpipolarLine& line, ImmaturePoint& point) const {
+void DepthSearcher::searchRange(const Line& line, const Range& range, ImmaturePoint& point) const {
   using State = ImmaturePoint::State;
-  Range range{};
-  if (!chooseRange(line, point, range)) return;  // the state says why
-
   const Scan found = scan(point, line, range);
   if (!std::isfinite(found.best.energy)) {
     point.state = State::kOutOfBounds;  // nothing but invalid pixels
@@ -120,7 +120,7 @@ void DepthSearcher::searchLine(const EpipolarLine& line, ImmaturePoint& point) c
     fail(point);
     return;
   }
-  if (!narrow(line, range, match, point)) {
+  if (!narrow(line.epipolar, range, match, point)) {
     point.state = State::kBadCondition;
     return;
   }
@@ -134,6 +134,7 @@ void DepthSearcher::searchLine(const EpipolarLine& line, ImmaturePoint& point) c
 
 bool DepthSearcher::isInside(const Eigen::Vector2d& pixel) const { return frame_->camera.contains(pixel, kBorder); }
 
+/// False if there is nothing to search: the state says why.
 bool DepthSearcher::chooseRange(const EpipolarLine& line, ImmaturePoint& point, Range& range) const {
   using State = ImmaturePoint::State;
   if (!line.isValid()) {
@@ -169,10 +170,10 @@ bool DepthSearcher::chooseRange(const EpipolarLine& line, ImmaturePoint& point, 
 }
 
 /// The patch changes with the depth: its shape slowly, its blur by the part that translation has in it.
-int DepthSearcher::segmentCount(const EpipolarLine& line, const Range& range) const {
+int DepthSearcher::segmentCount(const Line& line, const Range& range) const {
   double count = std::ceil((range.end - range.begin) / kSegmentLength);
-  const std::optional<Eigen::Vector2d> first = patch_maker_.blurVector(line, range.begin);
-  const std::optional<Eigen::Vector2d> last = patch_maker_.blurVector(line, range.end);
+  const std::optional<Eigen::Vector2d> first = line.patches.blurVector(line.epipolar, range.begin);
+  const std::optional<Eigen::Vector2d> last = line.patches.blurVector(line.epipolar, range.end);
   if (first && last) {
     count = std::max(count, std::ceil((*last - *first).norm() / kBlurChange));
   } else {
@@ -182,8 +183,7 @@ int DepthSearcher::segmentCount(const EpipolarLine& line, const Range& range) co
 }
 
 /// Energies at steps of about 1 px over the whole range.
-DepthSearcher::Scan DepthSearcher::scan(const ImmaturePoint& point, const EpipolarLine& line,
-                                        const Range& range) const {
+DepthSearcher::Scan DepthSearcher::scan(const ImmaturePoint& point, const Line& line, const Range& range) const {
   const double length = range.end - range.begin;
   const int intervals = std::clamp(static_cast<int>(std::ceil(length / kStep)), 1, kMaxSteps - 1);
   const double step = length / intervals;
@@ -195,13 +195,13 @@ DepthSearcher::Scan DepthSearcher::scan(const ImmaturePoint& point, const Epipol
     const int first = segment * (intervals + 1) / segments;
     const int last = (segment + 1) * (intervals + 1) / segments;
     const SearchPatch patch =
-        patch_maker_.make(point.pixel, line, range.begin + 0.5 * (first + last - 1) * step, kScanSpacing);
+        line.patches.make(point.pixel, line.epipolar, range.begin + 0.5 * (first + last - 1) * step, kScanSpacing);
     const bool usable = hasUsableShape(patch);
     for (int i = first; i < last; ++i) {
       float& energy = energies[static_cast<std::size_t>(i)];
       energy = kNoEnergy;
       if (!usable) continue;
-      const float found = patchEnergy(frame_->intensity, patch, line.pixelAt(range.begin + i * step), threshold);
+      const float found = patchEnergy(frame_->intensity, patch, line.epipolar.pixelAt(range.begin + i * step), threshold);
       if (found < kNoEnergy) energy = found;  // not NaN
       if (energy < energies[static_cast<std::size_t>(best)]) best = i;
     }
@@ -223,9 +223,9 @@ DepthSearcher::Scan DepthSearcher::scan(const ImmaturePoint& point, const Epipol
 }
 
 /// Gauss-Newton along the line from a step of the scan. Returns false if the place cannot be measured.
-bool DepthSearcher::refine(const ImmaturePoint& point, const EpipolarLine& line, const Range& range,
-                           Match& match) const {
-  const SearchPatch patch = patch_maker_.make(point.pixel, line, match.s, kRefineSpacing);
+bool DepthSearcher::refine(const ImmaturePoint& point, const Line& searched, const Range& range, Match& match) const {
+  const EpipolarLine& line = searched.epipolar;
+  const SearchPatch patch = searched.patches.make(point.pixel, line, match.s, kRefineSpacing);
   if (!hasUsableShape(patch)) return false;
   const auto threshold = static_cast<float>(config_.huber_threshold);
   const auto energyAt = [&](double s) {
@@ -255,7 +255,7 @@ bool DepthSearcher::refine(const ImmaturePoint& point, const EpipolarLine& line,
 }
 
 /// Energy of the best place away from the match over that of the match; noise makes up for differences near zero.
-double DepthSearcher::qualityOf(const ImmaturePoint& point, const EpipolarLine& line, const Range& range,
+double DepthSearcher::qualityOf(const ImmaturePoint& point, const Line& line, const Range& range,
                                 const Match& match, const Scan& scan) const {
   constexpr double kFloor = static_cast<double>(SearchPatch::kSize);
   Match second = scan.second;

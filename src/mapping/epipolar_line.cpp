@@ -9,23 +9,27 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMinDepthRatio = 1e-2;  // rays further off the axis of the frame's camera are of no use
 constexpr double kMinParallax = 1e-9;    // [px m]
 
-Eigen::Matrix3d cameraMatrix(const PinholeCamera& c) {
-  Eigen::Matrix3d K;
-  K << c.fx, 0.0, c.cx, 0.0, c.fy, c.cy, 0.0, 0.0, 1.0;
-  return K;
+/// K v, column by column.
+template <typename Derived>
+Derived timesCamera(const PinholeCamera& c, const Eigen::MatrixBase<Derived>& v) {
+  Derived product = v;
+  product.row(0) = c.fx * v.row(0) + c.cx * v.row(2);
+  product.row(1) = c.fy * v.row(1) + c.cy * v.row(2);
+  return product;
 }
 
-Eigen::Matrix3d inverseCameraMatrix(const PinholeCamera& c) {
-  Eigen::Matrix3d K_inverse;
-  K_inverse << 1.0 / c.fx, 0.0, -c.cx / c.fx, 0.0, 1.0 / c.fy, -c.cy / c.fy, 0.0, 0.0, 1.0;
-  return K_inverse;
+Eigen::Matrix3d timesInverseCamera(const Eigen::Matrix3d& M, const PinholeCamera& c) {
+  Eigen::Matrix3d product;
+  product.col(0) = M.col(0) * (1.0 / c.fx);
+  product.col(1) = M.col(1) * (1.0 / c.fy);
+  product.col(2) = M.col(0) * (-c.cx / c.fx) + M.col(1) * (-c.cy / c.fy) + M.col(2);
+  return product;
 }
 
 }  // namespace
 
-HostToFrame::HostToFrame(const PinholeCamera& host, const PinholeCamera& frame, const SE3& T_frame_host)
-    : H(cameraMatrix(frame) * T_frame_host.rotationMatrix() * inverseCameraMatrix(host)),
-      h(cameraMatrix(frame) * T_frame_host.translation()) {}
+HostToFrame::HostToFrame(const PinholeCamera& host, const PinholeCamera& frame, const RigidMotion& T_frame_host)
+    : H(timesInverseCamera(timesCamera(frame, T_frame_host.R), host)), h(timesCamera(frame, T_frame_host.p)) {}
 
 EpipolarLine::EpipolarLine(const HostToFrame& transform, const Eigen::Vector2d& host_pixel)
     : H_(transform.H), origin_(Eigen::Vector2d::Zero()), direction_(Eigen::Vector2d::UnitX()) {

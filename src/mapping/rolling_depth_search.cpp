@@ -20,11 +20,11 @@ void DepthSearcher::searchRolling(ImmaturePoint& point) const {
     return;
   }
   ImmaturePoint found = point;
-  searchBetween(point.pixel.y(), *row, found);
+  searchInRow(*row, found);
   const std::optional<double> row_found = expectedRow(found);
   if (found.state == ImmaturePoint::State::kGood && row_found && std::abs(*row_found - *row) > kRowTolerance) {
     found = point;
-    searchBetween(point.pixel.y(), *row_found, found);
+    searchInRow(*row_found, found);
   }
   point = found;
 }
@@ -33,17 +33,26 @@ std::optional<double> DepthSearcher::expectedRow(const ImmaturePoint& point) con
   const double inverse_depth = std::max(point.hasDepth() ? point.inverseDepth() : 0.0, kFarAway);
   const RigidMotion to_row = shortMotion(host_velocity_, host_->camera.rowDelay(point.pixel.y()));
   const Eigen::Vector3d ray = host_->camera.unproject(point.pixel.cast<double>());
-  const Eigen::Vector3d in_host = to_row.R * (ray / inverse_depth) + to_row.p;
-  const auto seen = projectRolling(frame_->camera, T_host_.velocity, T_host_.T_reference_mid.inverse() * in_host);
+  const Eigen::Vector3d in_host = to_row * Eigen::Vector3d(ray / inverse_depth);
+  const auto seen = projectRolling(frame_->camera, T_host_.velocity, T_frame_host_ * in_host);
   if (!seen) return std::nullopt;
   return std::clamp(seen->pixel.y(), 0.0, static_cast<double>(frame_->camera.height - 1));
 }
 
-void DepthSearcher::searchBetween(double host_row, double frame_row, ImmaturePoint& point) const {
-  ExposureTrajectory T_row = T_host_.delayed(frame_->camera.rowDelay(frame_row));
-  T_row.T_reference_mid = SE3::exp(-host_->camera.rowDelay(host_row) * host_velocity_) * T_row.T_reference_mid;
-  const DepthSearcher searcher(*host_, *frame_, T_row, gain_, offset_, config_, host_velocity_);
-  searcher.searchLine(EpipolarLine(searcher.transform_, point.pixel.cast<double>()), point);
+void DepthSearcher::searchInRow(double frame_row, ImmaturePoint& point) const {
+  const double delay = frame_->camera.rowDelay(frame_row);
+  const double host_delay = host_->camera.rowDelay(point.pixel.y());
+  const RigidMotion T_host_row_frame = shortMotion(host_velocity_, -host_delay) * T_frame_host_.inverse();
+  const auto poseAt = [&](double t) { return T_host_row_frame * shortMotion(T_host_.motionUntil(delay + t)); };
+  const RigidMotion mid = poseAt(0.0);
+  const EpipolarLine line(HostToFrame(host_->camera, frame_->camera, mid.inverse()), point.pixel.cast<double>());
+  Range range{};
+  // Most points need no search any more, and then no patches.
+  if (!chooseRange(line, point, range)) return;
+  const double half = 0.5 * T_host_.exposure;
+  const ExposedPoses poses(poseAt(-half), mid, poseAt(half), T_host_.xi().squaredNorm() > 0.0);
+  const SearchPatchMaker patches(*host_, frame_->camera, poses, gain_, offset_, config_.min_blur_px);
+  searchRange({line, patches}, range, point);
 }
 
 }  // namespace mba_vo

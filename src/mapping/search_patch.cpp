@@ -11,15 +11,15 @@ constexpr int kMaxBlurSamples = 64;
 }  // namespace
 
 SearchPatchMaker::SearchPatchMaker(const ImageLevel& host, const PinholeCamera& frame_camera,
-                                   const ExposureTrajectory& T_host, double gain, double offset, double min_blur_px)
+                                   const ExposedPoses& T_host_frame, double gain, double offset, double min_blur_px)
     : host_(&host),
       gain_(static_cast<float>(gain)),
       offset_(static_cast<float>(offset)),
       min_blur_px_(min_blur_px),
-      moving_(T_host.xi().squaredNorm() > 0.0) {
-  const std::array<SE3, 3> poses{T_host.start(), T_host.T_reference_mid, T_host.end()};
+      moving_(T_host_frame.moving) {
+  const std::array<const RigidMotion*, 3> poses{&T_host_frame.start, &T_host_frame.mid, &T_host_frame.end};
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    const HostToFrame inverse(frame_camera, host.camera, poses[i]);
+    const HostToFrame inverse(frame_camera, host.camera, *poses[i]);
     moments_[i] = {inverse.H, inverse.h};
   }
 }

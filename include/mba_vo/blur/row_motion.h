@@ -19,6 +19,8 @@ struct RigidMotion {
   explicit RigidMotion(const SE3& T) : R(T.rotationMatrix()), p(T.translation()) {}
 
   RigidMotion operator*(const RigidMotion& o) const { return {R.lazyProduct(o.R), R.lazyProduct(o.p) + p}; }
+  Eigen::Vector3d operator*(const Eigen::Vector3d& x) const { return R.lazyProduct(x) + p; }
+  RigidMotion inverse() const { return {R.transpose(), -R.transpose().lazyProduct(p)}; }
 };
 
 /// Exp(xi) of the short motions between the rows of a rolling shutter: exact to the fourth order in the angle.

@@ -86,21 +86,25 @@ class DepthSearcher {
     Match best;
     Match second;  // next best place, beyond the flanks of the best one
   };
+  struct Line {
+    const EpipolarLine& epipolar;
+    const SearchPatchMaker& patches;  // to be expected along it
+  };
 
   DepthSearcher(const ImageLevel& host, const ImageLevel& frame, const ExposureTrajectory& T_host, double gain,
                 double offset, const DepthSearchConfig& config, const Vector6& host_velocity);
   /// With a rolling shutter, each point and each row of the frame has a relative pose of its own.
   void searchRolling(ImmaturePoint& point) const;
-  void searchBetween(double host_row, double frame_row, ImmaturePoint& point) const;
+  void searchInRow(double frame_row, ImmaturePoint& point) const;
   std::optional<double> expectedRow(const ImmaturePoint& point) const;
-  void searchLine(const EpipolarLine& line, ImmaturePoint& point) const;
+  void searchRange(const Line& line, const Range& range, ImmaturePoint& point) const;
 
   bool isInside(const Eigen::Vector2d& pixel) const;
   bool chooseRange(const EpipolarLine& line, ImmaturePoint& point, Range& range) const;
-  int segmentCount(const EpipolarLine& line, const Range& range) const;
-  Scan scan(const ImmaturePoint& point, const EpipolarLine& line, const Range& range) const;
-  bool refine(const ImmaturePoint& point, const EpipolarLine& line, const Range& range, Match& match) const;
-  double qualityOf(const ImmaturePoint& point, const EpipolarLine& line, const Range& range, const Match& match,
+  int segmentCount(const Line& line, const Range& range) const;
+  Scan scan(const ImmaturePoint& point, const Line& line, const Range& range) const;
+  bool refine(const ImmaturePoint& point, const Line& line, const Range& range, Match& match) const;
+  double qualityOf(const ImmaturePoint& point, const Line& line, const Range& range, const Match& match,
                    const Scan& scan) const;
   bool narrow(const EpipolarLine& line, const Range& range, const Match& match, ImmaturePoint& point) const;
 
@@ -109,6 +113,7 @@ class DepthSearcher {
   DepthSearchConfig config_;
   ExposureTrajectory T_host_;
   Vector6 host_velocity_;
+  RigidMotion T_frame_host_;
   double gain_;
   double offset_;
   HostToFrame transform_;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "mba_vo/blur/row_motion.h"
 #include "mba_vo/geometry/pinhole_camera.h"
 #include "mba_vo/geometry/se3.h"
 
@@ -9,7 +10,9 @@ namespace mba_vo {
 
 /// Maps a host pixel of known inverse depth into another image: P = R K_host^-1 (u, v, 1) + inverse_depth t, times K.
 struct HostToFrame {
-  HostToFrame(const PinholeCamera& host, const PinholeCamera& frame, const SE3& T_frame_host);
+  HostToFrame(const PinholeCamera& host, const PinholeCamera& frame, const RigidMotion& T_frame_host);
+  HostToFrame(const PinholeCamera& host, const PinholeCamera& frame, const SE3& T_frame_host)
+      : HostToFrame(host, frame, RigidMotion(T_frame_host)) {}
 
   Eigen::Matrix3d H;  // K_frame R K_host^-1
   Eigen::Vector3d h;  // K_frame t

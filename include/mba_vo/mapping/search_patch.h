@@ -19,13 +19,25 @@ struct SearchPatch {
   double blur_px = 0.0;                 // length of the path that was averaged, 0 = sharp
 };
 
+/// Poses of a camera during its exposure.
+struct ExposedPoses {
+  ExposedPoses(const RigidMotion& at_start, const RigidMotion& at_mid, const RigidMotion& at_end, bool is_moving)
+      : start(at_start), mid(at_mid), end(at_end), moving(is_moving) {}
+  explicit ExposedPoses(const ExposureTrajectory& T)
+      : ExposedPoses(RigidMotion(T.start()), RigidMotion(T.T_reference_mid), RigidMotion(T.end()),
+                     T.xi().squaredNorm() > 0.0) {}
+
+  RigidMotion start, mid, end;
+  bool moving;
+};
+
 /// Predicts search patches of points of one host for one frame. If the image moves while the shutter is open, the
 /// host's pixels are averaged along the path on which the frame's pixel travels over the host (Eq. 7 of the paper); the
 /// path depends on the depth that is assumed.
 class SearchPatchMaker {
  public:
   /// Paths shorter than `min_blur_px` are taken as sharp. The images must outlive the maker.
-  SearchPatchMaker(const ImageLevel& host, const PinholeCamera& frame_camera, const ExposureTrajectory& T_host,
+  SearchPatchMaker(const ImageLevel& host, const PinholeCamera& frame_camera, const ExposedPoses& T_host_frame,
                    double gain, double offset, double min_blur_px);
 
   /// Expected patch at distance `s` on the line of `host_pixel`; invalid where the host has no (valid) pixels.
