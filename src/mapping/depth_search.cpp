@@ -201,7 +201,8 @@ DepthSearcher::Scan DepthSearcher::scan(const ImmaturePoint& point, const Line& 
       float& energy = energies[static_cast<std::size_t>(i)];
       energy = kNoEnergy;
       if (!usable) continue;
-      const float found = patchEnergy(frame_->intensity, patch, line.epipolar.pixelAt(range.begin + i * step), threshold);
+      const float found =
+          patchEnergy(frame_->intensity, patch, line.epipolar.pixelAt(range.begin + i * step), threshold);
       if (found < kNoEnergy) energy = found;  // not NaN
       if (energy < energies[static_cast<std::size_t>(best)]) best = i;
     }
@@ -255,8 +256,8 @@ bool DepthSearcher::refine(const ImmaturePoint& point, const Line& searched, con
 }
 
 /// Energy of the best place away from the match over that of the match; noise makes up for differences near zero.
-double DepthSearcher::qualityOf(const ImmaturePoint& point, const Line& line, const Range& range,
-                                const Match& match, const Scan& scan) const {
+double DepthSearcher::qualityOf(const ImmaturePoint& point, const Line& line, const Range& range, const Match& match,
+                                const Scan& scan) const {
   constexpr double kFloor = static_cast<double>(SearchPatch::kSize);
   Match second = scan.second;
   const auto quality = [&] { return std::min((second.energy + kFloor) / (match.energy + kFloor), kMaxQuality); };
