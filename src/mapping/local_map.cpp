@@ -3,17 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 
 #include "mba_vo/image/parallel_for.h"
 #include "mba_vo/image/point_selector.h"
-#include "mba_vo/mapping/point_activation.h"
-#include "mba_vo/mapping/surface_slope.h"
+#include "mba_vo/mapping/point_activator.h"
 
 namespace mba_vo {
 namespace {
-
-constexpr double kUnrefinedVariance =
-    1.0;  // of an inverse depth known from searching alone: as good as unknown [1/m^2]
 
 constexpr int kCalibrationKeyframes = 4;  // least number in a window that tells about the calibration
 
@@ -91,9 +88,7 @@ void LocalMap::searchDepths(const TrackedFrame& tracked) {
 }
 
 bool LocalMap::explainsAsWell(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp) const {
-  return window_.explainsAsWell(
-      keyframe, sharp,
-      projectPoints(window_, sharp->level(0).camera, window_.T_map_keyframe(keyframe), window_.velocity(keyframe)));
+  return window_.explainsAsWell(keyframe, sharp, pointsSeenBy(window_, cameraOf(keyframe), keyframe));
 }
 
 void LocalMap::replaceImage(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp) {
@@ -150,46 +145,25 @@ void LocalMap::refineWindow(KeyframeReport& report) {
 }
 
 void LocalMap::activatePoints() {
-  const PinholeCamera& camera = keyframes_.at(newestKeyframe()).image->level(0).camera;
-  const SE3 T_newest_map = window_.T_map_keyframe(newestKeyframe()).inverse();
   activation_distance_px_ =
       adaptedDistance(activation_distance_px_, static_cast<int>(window_.points().size()), config_.window.max_points);
-  SpacingGrid grid(camera, activation_distance_px_);
-  for (const ReferencePoint& point :
-       projectPoints(window_, camera, T_newest_map.inverse(), window_.velocity(newestKeyframe()))) {
-    grid.occupy(point.pixel.cast<double>());
+  PointActivator activator(window_, cameraOf(newestKeyframe()), newestKeyframe(), activation_distance_px_);
+  const auto newest = std::prev(keyframes_.end());
+  for (auto host = keyframes_.begin(); host != newest; ++host) {
+    activator.activateFound(host->first, host->second.immature);
   }
-  for (auto& [id, host] : keyframes_) {
-    if (id == newestKeyframe()) continue;
-    const SurfaceSlopes slopes = slopesIn(id);
-    const SE3 T_newest_host = T_newest_map * window_.T_map_keyframe(id);
-    const auto activated = [&, host_id = id](ImmaturePoint& point) {
-      if (point.state == ImmaturePoint::State::kOutlier) return true;
-      if (!isReadyToActivate(point)) return false;
-      const Eigen::Vector3d in_newest =
-          T_newest_host * (camera.unproject(point.pixel.cast<double>()) / point.inverseDepth());
-      if (in_newest.z() <= 0.0) return true;
-      const Eigen::Vector2d pixel = camera.project(in_newest);
-      if (!camera.contains(pixel, 2.0)) return true;
-      if (!grid.isFree(pixel)) return false;
-      const Eigen::Vector2d in_host = point.pixel.cast<double>();
-      const Eigen::Vector2d slope = slopes.at(in_host, point.inverseDepth(), kUnrefinedVariance);
-      if (window_.activatePoint(host_id, in_host, point.inverseDepth(), slope, point.measured)) grid.occupy(pixel);
-      return true;
-    };
-    host.immature.erase(std::remove_if(host.immature.begin(), host.immature.end(), activated), host.immature.end());
+  if (!activator.isStarving(config_.window.max_points)) return;
+  for (auto host = newest; host != keyframes_.begin();) {  // what has just come into view is in the last ones
+    --host;
+    activator.activateGuessed(host->first, host->second.immature);
   }
-}
-
-SurfaceSlopes LocalMap::slopesIn(KeyframeId keyframe) const {
-  const PinholeCamera& camera = keyframes_.at(keyframe).image->level(0).camera;
-  return SurfaceSlopes(camera,
-                       projectPoints(window_, camera, window_.T_map_keyframe(keyframe), window_.velocity(keyframe)));
 }
 
 void LocalMap::updateSlopes() {
   std::map<KeyframeId, SurfaceSlopes> slopes;
-  for (const KeyframeId id : window_.keyframes()) slopes.emplace(id, slopesIn(id));
+  for (const KeyframeId id : window_.keyframes()) {
+    slopes.emplace(id, SurfaceSlopes(cameraOf(id), pointsSeenBy(window_, cameraOf(id), id)));
+  }
   window_.setSlopes([&slopes](const WindowPoint& point) {
     return slopes.at(point.host).at(point.pixel, point.inverse_depth, kResidualVariance * point.variance);
   });
@@ -237,8 +211,7 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe, const st
   reference->brightness = window_.brightness(keyframe);
   reference->velocity = window_.velocity(keyframe);
   reference->correction = calibration_.correction();
-  reference->points =
-      projectPoints(window_, reference->pyramid->level(0).camera, reference->T_map_reference, reference->velocity);
+  reference->points = pointsSeenBy(window_, cameraOf(keyframe), keyframe);
   for (const KeyframeId id : window_.keyframes()) reference->T_map_keyframe[id] = window_.T_map_keyframe(id);
   return reference;
 }

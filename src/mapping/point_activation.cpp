@@ -14,7 +14,8 @@ constexpr double kMinDistance = 2.0;    // [px]
 constexpr double kMaxDistance = 30.0;   // [px]
 constexpr double kCertainSearch = 8.0;  // [px] a longer last search leaves the depth ambiguous
 constexpr double kMinQuality = 3.0;
-constexpr double kBorder = 5.0;  // [px]
+constexpr double kStarving = 0.35;  // share of the points wanted
+constexpr double kBorder = 5.0;     // [px]
 constexpr double kInitialRelativeSigma = 0.05;
 
 std::optional<RollingProjection> see(const PinholeCamera& camera, const Eigen::Vector3d& point) {
@@ -50,6 +51,8 @@ double adaptedDistance(double distance_px, int points, int wanted) {
   return std::clamp(factor * distance_px, kMinDistance, kMaxDistance);
 }
 
+bool isStarving(int visible_points, int wanted_points) { return visible_points < kStarving * wanted_points; }
+
 bool isReadyToActivate(const ImmaturePoint& point) {
   using State = ImmaturePoint::State;
   if (point.measured.known()) return true;
@@ -83,6 +86,10 @@ std::vector<ReferencePoint> projectPoints(const Window& window, const PinholeCam
                          static_cast<float>(variance * ratio * ratio * ratio * ratio)});
   }
   return projected;
+}
+
+std::vector<ReferencePoint> pointsSeenBy(const Window& window, const PinholeCamera& camera, KeyframeId keyframe) {
+  return projectPoints(window, camera, window.T_map_keyframe(keyframe), window.velocity(keyframe));
 }
 
 }  // namespace mba_vo

@@ -80,8 +80,8 @@ class LocalMap {
 
   void addKeyframe(const FrameConstPtr& frame, const SE3& T_map_keyframe, const Vector6& velocity,
                    const AffineBrightness& brightness);
+  const PinholeCamera& cameraOf(KeyframeId keyframe) const { return keyframes_.at(keyframe).image->level(0).camera; }
   void activatePoints();
-  SurfaceSlopes slopesIn(KeyframeId keyframe) const;
   void updateSlopes();
   void selectImmaturePoints(HostKeyframe& host) const;
   void marginalizeKeyframes();

@@ -28,6 +28,10 @@ class SpacingGrid {
 /// Spacing that brings `points` nearer to `wanted` the next time [px].
 double adaptedDistance(double distance_px, int points, int wanted);
 
+/// True if a keyframe sees so few points that any more are welcome: on fast turns what comes into view is blurred, and
+/// gone again before the search has found depths.
+bool isStarving(int visible_points, int wanted_points);
+
 /// True if the depth of an immature point is certain enough to enter the window.
 bool isReadyToActivate(const ImmaturePoint& point);
 
@@ -35,5 +39,7 @@ bool isReadyToActivate(const ImmaturePoint& point);
 /// of the camera, for a rolling shutter.
 std::vector<ReferencePoint> projectPoints(const Window& window, const PinholeCamera& camera, const SE3& T_map_camera,
                                           const Vector6& velocity = Vector6::Zero());
+/// The same, seen by one of the window's own keyframes.
+std::vector<ReferencePoint> pointsSeenBy(const Window& window, const PinholeCamera& camera, KeyframeId keyframe);
 
 }  // namespace mba_vo
