@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "mba_vo/mapping/backward_tracking.h"
+#include "mba_vo/mapping/deferred_tracking.h"
 #include "mba_vo/mapping/keyframe_choice.h"
 #include "mba_vo/mapping/recovery.h"
 
@@ -25,6 +25,7 @@ class Mapper::Impl {
         calibration_(config.start_correction),
         health_(config.health),
         recovery_(config),
+        deferred_(config),
         deblurring_(config, std::move(deblurrer)) {}
 
   MapperOutput process(const TrackedFrameConstPtr& frame) {
@@ -44,16 +45,10 @@ class Mapper::Impl {
     return refine(frame);
   }
 
-  bool hasDeferredWork() const { return backward_ && !backward_->done(); }
-
-  bool doDeferredWork() {
-    if (!hasDeferredWork() || !backward_->isReady(*map_)) return false;
-    trackBackwards();
-    return true;
-  }
+  bool doDeferredWork() { return map_ && deferred_.doNext(*map_, store_); }
 
   void finishDeferredWork() {
-    while (hasDeferredWork()) trackBackwards();
+    if (map_) deferred_.finish(*map_, store_);
   }
 
   void reset() {
@@ -72,7 +67,7 @@ class Mapper::Impl {
     deblurring_.forgetMap();
     initial_frames_.clear();
     choice_.reset();
-    backward_.reset();
+    deferred_.reset();
     last_ = {};
     frames_without_reference_ = 0;
   }
@@ -142,16 +137,10 @@ class Mapper::Impl {
     reference->hint = TrackingHint{frame->sequence, frame->mid_exposure_ns, start};
     reference_ = reference;
     integrate(referenceItself(*reference, frame, start));
-    backward_.emplace(config_, std::move(initial), MotionState(start, frame->mid_exposure_ns), initial_frames_,
-                      reference_);
+    deferred_.begin(std::move(initial), MotionState(start, frame->mid_exposure_ns), initial_frames_, reference_);
     recovery_.keep(*reference_, *frame, *map_);
     deblur(frame);
     return reference;
-  }
-
-  void trackBackwards() {
-    const TrackedFrame tracked = backward_->next();
-    if (tracked.tracked()) store_.addFrame(tracked);
   }
 
   /// A frame that is no newer than the last one was tracked again: its pose is better now, the map has it already.
@@ -160,6 +149,7 @@ class Mapper::Impl {
     store_.addFrame(*frame);
     choice_.revise(frame);
     deblurring_.remember(frame);
+    deferred_.add(frame);
     return {};
   }
 
@@ -186,6 +176,7 @@ class Mapper::Impl {
     store_.addFrame(*frame);
     map_->searchDepths(*frame);
     deblurring_.remember(frame);
+    deferred_.add(frame);
     last_ = {frame->frame->sequence, frame->frame->mid_exposure_ns, frame->trajectory};
     last_keyframe_ = frame->reference.keyframe_id;
     const TrackedFrameConstPtr chosen = choice_.add(frame, map_->T_map_camera(*frame), *reference_);
@@ -202,7 +193,7 @@ class Mapper::Impl {
     recovery_.keep(*reference_, *chosen->frame, *map_);
     deblur(chosen->frame, chosen->trajectory.acceleration, chosen->trajectory.velocity);
     store_.makeKeyframe(*chosen, reference_->id.map_id, reference_->id.keyframe_id);
-    if (backward_) backward_->update(*map_);
+    deferred_.update(*map_);
     return report;
   }
 
@@ -273,11 +264,11 @@ class Mapper::Impl {
   MapId next_map_id_ = 1;
   MapHealth health_;
   Recovery recovery_;
+  DeferredTracking deferred_;
   KeyframeDeblurring deblurring_;
   std::optional<std::int64_t> newest_initializing_ns_;  // of the frames given to the initialiser
   std::vector<FrameConstPtr> initial_frames_;           // that the initialiser had when the map began
   std::int64_t first_keyframe_ns_ = 0;
-  std::optional<BackwardTracking> backward_;
   TrackingHint last_;  // the newest tracked frame, relative to last_keyframe_
   KeyframeId last_keyframe_ = 0;
   int frames_without_reference_ = 0;

@@ -14,6 +14,7 @@ namespace mba_vo {
 namespace {
 
 constexpr int kStartIterations = 6;           // spent on each alternative start on the coarsest level
+constexpr int kCloseLevel = 1;                // the coarsest for a guess that is close
 constexpr int kTurnIterations = 30;           // on the search for a turn
 constexpr std::size_t kFinerStarts = 3;       // compared again on the next level
 constexpr double kSameBasin = 0.25;           // [px of the coarsest level] results nearer than this are one
@@ -258,9 +259,9 @@ TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& fra
   const auto begin = std::chrono::steady_clock::now();
   const int levels = std::min({config_.pyramid_levels, reference.pyramid->levels(), frame->pyramid.levels()});
   const Job job(reference, *frame, guess, levels, config_.max_points);
-  AlignmentState state = bestStart(job, levels - 1);
+  AlignmentState state = guess.is_close ? starts(job).front() : bestStart(job, levels - 1);
   LevelResult result{};
-  for (int level = std::max(levels - 2, 0); level >= 0; --level) {
+  for (int level = std::max(std::min(levels - 2, guess.is_close ? kCloseLevel : levels), 0); level >= 0; --level) {
     state.bend = bendFor(job, state);
     // Coarser levels start far off: residuals there tell about the start, not about the images.
     const double huber_threshold = level == 0 ? kFollowResiduals : config_.huber_threshold;

@@ -31,6 +31,7 @@ struct MapperConfig {
   RelocalizerConfig relocalizer;
   bool commute_blur = true;
   bool refine_calibration = true;
+  bool refine_frames = true;
   CalibrationCorrection start_correction;  // found before, by an earlier run. Not read from `mapper`
   bool deterministic = false;              // bit-identical results run after run; sums in a fixed order
 
@@ -51,6 +52,8 @@ struct MapperConfig {
     v("commute_blur", c.commute_blur, "blur frames along the keyframe's own path where the keyframe is not sharp");
     v("refine_calibration", c.refine_calibration,
       "correct focal length, centre, radial distortion and row time where the images say that they are wrong");
+    v("refine_frames", c.refine_frames,
+      "track frames once more, for the trajectory, when the keyframes on both sides of them have been optimised");
   }
 };
 

@@ -59,6 +59,7 @@ struct TrackingGuess {
   ExposureTrajectory trajectory;      // relative to the reference; exposure 0: aligned as a sharp image
   std::optional<MotionPrior> motion;  // also gives the priors and the alternative starts
   AffineBrightness brightness;        // of the frame
+  bool is_close = false;              // to within a few pixels: no other starts, only the finer levels
 };
 
 /// Blur-aware direct image alignment of one frame to one reference (Eq. 8 of the paper), coarse to fine. Stateless.

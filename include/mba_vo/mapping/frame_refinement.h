@@ -1,0 +1,58 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "mba_vo/mapping/mapper_config.h"
+#include "mba_vo/tracking/motion_state.h"
+#include "mba_vo/tracking/tracked_frame.h"
+#include "mba_vo/tracking/tracker.h"
+
+namespace mba_vo {
+
+class LocalMap;
+
+/// Tracks the frames between keyframes once more, for the trajectory: when the window has been optimised with keyframes
+/// on both sides of them, and once again after that. When they came, parts of what they see had no depths, or poor
+/// ones.
+class FrameRefinement {
+ public:
+  explicit FrameRefinement(const MapperConfig& config);
+
+  /// A frame as it was tracked: newer than all before, or one of them tracked again.
+  void add(const TrackedFrameConstPtr& tracked);
+  /// The window has been optimised with a new keyframe.
+  void update(LocalMap& map);
+  /// No keyframe will come any more.
+  void finish(LocalMap& map);
+  void reset();
+
+  bool done() const { return jobs_.empty(); }
+  /// Tracks the next frame. nullopt if it is better left as it was. Frames that nobody finds the time for are
+  /// forgotten.
+  std::optional<TrackedFrame> next();
+
+ private:
+  struct Job {
+    TrackedFrameConstPtr tracked;
+    ReferenceConstPtr reference;
+    ExposureTrajectory first;  // as it was tracked, relative to the reference
+  };
+
+  void prepareUntil(LocalMap& map, KeyframeId last);
+  Job jobFor(const TrackedFrameConstPtr& tracked, const SE3& T_map_camera,
+             const std::vector<ReferenceConstPtr>& references) const;
+  void goOnFrom(const Job& job);
+  TrackingGuess guessFor(const Job& job) const;
+
+  Tracker tracker_;
+  KeyframePolicy policy_;
+  double unknown_exposure_;                   // [s]
+  std::deque<TrackedFrameConstPtr> waiting_;  // for keyframes, by time
+  std::deque<Job> jobs_;                      // by time
+  ReferenceConstPtr reference_;               // of the last frame
+  MotionState motion_;                        // there, relative to reference_
+};
+
+}  // namespace mba_vo

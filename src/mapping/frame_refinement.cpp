@@ -1,0 +1,120 @@
+#include "mba_vo/mapping/frame_refinement.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "mba_vo/mapping/local_map.h"
+#include "mba_vo/tracking/frame_measures.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr std::size_t kMaxFrames = 40;  // that wait, or are to be tracked: each holds its images
+
+template <typename T>
+void dropOldest(std::deque<T>& queue) {
+  while (queue.size() > kMaxFrames) queue.pop_front();
+}
+
+}  // namespace
+
+FrameRefinement::FrameRefinement(const MapperConfig& config)
+    : tracker_(config.tracker), policy_(config.keyframe), unknown_exposure_(config.tracker.unknown_exposure) {}
+
+void FrameRefinement::add(const TrackedFrameConstPtr& tracked) {
+  const auto same = [&](const TrackedFrameConstPtr& t) { return t->frame->sequence == tracked->frame->sequence; };
+  const auto known = std::find_if(waiting_.begin(), waiting_.end(), same);
+  if (known != waiting_.end()) {
+    *known = tracked;
+  } else if (waiting_.empty() || waiting_.back()->frame->mid_exposure_ns < tracked->frame->mid_exposure_ns) {
+    waiting_.push_back(tracked);
+    dropOldest(waiting_);
+  }
+}
+
+void FrameRefinement::update(LocalMap& map) {
+  if (map.newestKeyframe() > 0) prepareUntil(map, map.newestKeyframe() - 1);
+}
+
+void FrameRefinement::finish(LocalMap& map) { prepareUntil(map, map.newestKeyframe()); }
+
+void FrameRefinement::reset() {
+  waiting_.clear();
+  jobs_.clear();
+  reference_.reset();
+}
+
+/// The frames up to that keyframe are to be tracked against it, or the one before, whichever shows more of what they
+/// see.
+void FrameRefinement::prepareUntil(LocalMap& map, KeyframeId last) {
+  if (!map.has(last)) return;
+  std::vector<ReferenceConstPtr> references = {map.makeReference(last)};
+  if (last > 0 && map.has(last - 1)) references.push_back(map.makeReference(last - 1));
+  const std::int64_t end_ns = references.front()->mid_exposure_ns;
+  while (!waiting_.empty() && waiting_.front()->frame->mid_exposure_ns <= end_ns) {
+    jobs_.push_back(jobFor(waiting_.front(), map.T_map_camera(*waiting_.front()), references));
+    waiting_.pop_front();
+  }
+  dropOldest(jobs_);
+}
+
+FrameRefinement::Job FrameRefinement::jobFor(const TrackedFrameConstPtr& tracked, const SE3& T_map_camera,
+                                             const std::vector<ReferenceConstPtr>& references) const {
+  Job best;
+  double least_need = 0.0;
+  for (const ReferenceConstPtr& reference : references) {
+    Job job{tracked, reference, tracked->trajectory};
+    job.first.T_reference_mid = reference->T_map_reference.inverse() * T_map_camera;
+    const double need = policy_.need(*reference, measureFrame(*reference, job.first), tracked->brightness);
+    if (best.reference && need >= least_need) continue;
+    least_need = need;
+    best = std::move(job);
+  }
+  return best;
+}
+
+/// From a frame that is left as it was.
+void FrameRefinement::goOnFrom(const Job& job) {
+  reference_ = job.reference;
+  motion_ = MotionState(job.first, job.tracked->frame->mid_exposure_ns);
+}
+
+TrackingGuess FrameRefinement::guessFor(const Job& job) const {
+  const Frame& frame = *job.tracked->frame;
+  TrackingGuess guess(motion_.priorAt(frame.mid_exposure_ns), frame.exposure.value_or(unknown_exposure_));
+  guess.brightness = job.tracked->brightness;
+  guess.trajectory = job.first;
+  guess.is_close = true;
+  return guess;
+}
+
+std::optional<TrackedFrame> FrameRefinement::next() {
+  const Job job = std::move(jobs_.front());
+  jobs_.pop_front();
+  const bool is_keyframe = job.tracked->frame->mid_exposure_ns == job.reference->mid_exposure_ns;
+  if (!reference_ || is_keyframe) {
+    goOnFrom(job);
+    return std::nullopt;
+  }
+  if (reference_ != job.reference) {
+    const auto pose = job.reference->T_map_keyframe.find(reference_->id.keyframe_id);
+    const bool in_window = pose != job.reference->T_map_keyframe.end();
+    const SE3& T_map_old = in_window ? pose->second : reference_->T_map_reference;
+    motion_.changeReference(job.reference->T_map_reference.inverse() * T_map_old);
+    reference_ = job.reference;
+  }
+  TrackedFrame refined = tracker_.track(*job.reference, job.tracked->frame, guessFor(job));
+  // Some points that it was tracked by may have left the window.
+  const bool better = refined.expected_error <= job.tracked->expected_error;
+  if (refined.status != TrackingStatus::kTracking || !better) {
+    goOnFrom(job);
+    return std::nullopt;
+  }
+  motion_.update(refined);
+  // What was doubtful when it came has been published so.
+  refined.status = job.tracked->status;
+  refined.reason = job.tracked->reason;
+  return refined;
+}
+
+}  // namespace mba_vo

@@ -1,0 +1,70 @@
+#include "mba_vo/mapping/frame_refinement.h"
+
+#include <cstdint>
+
+#include <gtest/gtest.h>
+
+#include "mapping/follower.h"
+
+namespace mba_vo::test {
+namespace {
+
+constexpr double kTurn = 0.02;  // by which a pose is wrong [rad]: 4 px
+
+/// How far the pose of one frame between keyframes, told wrong by kTurn, is from where it was at the end.
+struct Outcome {
+  double turned = 0.0;     // [rad]
+  std::size_t frames = 0;  // in the trajectory
+};
+
+SE3 poseOf(const Mapper& mapper, std::uint64_t sequence) {
+  for (const TrajectoryEntry& entry : mapper.trajectory()) {
+    if (entry.frame_sequence == sequence) return entry.trajectory.T_reference_mid;
+  }
+  ADD_FAILURE() << "frame " << sequence << " is not in the trajectory";
+  return {};
+}
+
+/// `expected_error_px`: that the wrong pose is said to have.
+Outcome tellAWrongPose(const MapperConfig& config, double expected_error_px) {
+  Mapper mapper(config);
+  Follower follower(mapper);
+  follower.toNextKeyframe();
+  follower.toNextKeyframe();
+  follower.step();
+  auto wrong = std::make_shared<TrackedFrame>(follower.track(follower.reference()));
+  follower.step();
+  const std::uint64_t sequence = wrong->frame->sequence;
+  const SE3 right = poseOf(mapper, sequence);
+  wrong->trajectory.T_reference_mid =
+      wrong->trajectory.T_reference_mid * SE3::exp((Vector6() << 0.0, 0.0, 0.0, 0.0, kTurn, 0.0).finished());
+  wrong->expected_error = expected_error_px;
+  mapper.process(wrong);  // as a frame that was tracked again
+  EXPECT_NEAR((right.inverse() * poseOf(mapper, sequence)).log().norm(), kTurn, 1e-6);
+  for (int i = 0; i < 2; ++i) follower.toNextKeyframe();
+  while (mapper.doDeferredWork()) {
+  }
+  mapper.finishDeferredWork();
+  return {(right.inverse() * poseOf(mapper, sequence)).log().tail<3>().norm(), mapper.trajectory().size()};
+}
+
+TEST(FrameRefinement, CorrectsAFrameBetweenKeyframes) {
+  const Outcome refined = tellAWrongPose(config(), 1.0);
+  EXPECT_LT(refined.turned, 0.1 * kTurn);
+}
+
+TEST(FrameRefinement, LeavesAFrameThatWasKnownBetter) {
+  const Outcome left = tellAWrongPose(config(), 1e-6);
+  EXPECT_GT(left.turned, 0.9 * kTurn);
+}
+
+TEST(FrameRefinement, CanBeSwitchedOff) {
+  MapperConfig off = config();
+  off.refine_frames = false;
+  const Outcome left = tellAWrongPose(off, 1.0);
+  EXPECT_GT(left.turned, 0.9 * kTurn);
+  EXPECT_EQ(left.frames, tellAWrongPose(config(), 1.0).frames) << "no frame may come or go by it";
+}
+
+}  // namespace
+}  // namespace mba_vo::test
