@@ -9,7 +9,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr std::size_t kMaxFrames = 40;  // that wait, or are to be tracked: each holds its images
+constexpr std::size_t kMaxFrames = 24;  // that wait, or are to be tracked: each holds its images
 
 template <typename T>
 void dropOldest(std::deque<T>& queue) {

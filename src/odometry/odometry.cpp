@@ -49,7 +49,8 @@ void Odometry::trackWaiting(OdometryResult& result, bool at_end) {
 void Odometry::map(const TrackedFrameConstPtr& tracked, std::uint64_t frame, OdometryResult& result) {
   const Clock::time_point begin = Clock::now();
   result.mapping.push_back(mapper_.process(tracked));
-  mapper_.doDeferredWork();
+  while (mapper_.doDeferredWork()) {
+  }
   result.mapping_ms += millisecondsSince(begin);
   const ReferenceConstPtr& reference = result.mapping.back().reference;
   // Without delay the very next frame has it.
