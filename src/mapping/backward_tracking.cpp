@@ -11,7 +11,14 @@
 namespace mba_vo {
 namespace {
 
+constexpr double kLeastVisible = 0.35;      // share of the keyframe's points; with fewer, poses drift
 constexpr KeyframeId kSettledKeyframe = 4;  // from this one on the first keyframe's points have good depths
+
+void degrade(TrackedFrame& tracked, const char* reason) {
+  if (tracked.status != TrackingStatus::kTracking) return;
+  tracked.status = TrackingStatus::kDegraded;
+  tracked.reason = reason;
+}
 
 }  // namespace
 
@@ -74,10 +81,8 @@ TrackedFrame BackwardTracking::next() {
   frames_.pop_back();
   TrackedFrame tracked = tracker_.track(*first_keyframe_, frame, guessFor(*frame));
   // What follows has nothing better to go by than a pose that is doubtful.
-  if (seen_badly_ && tracked.status == TrackingStatus::kTracking) {
-    tracked.status = TrackingStatus::kDegraded;
-    tracked.reason = "tracked backwards from a frame that was seen badly";
-  }
+  if (seen_badly_) degrade(tracked, "tracked backwards from a frame that was seen badly");
+  if (tracked.measures.visible_fraction < kLeastVisible) degrade(tracked, "sees little of the map's first keyframe");
   seen_badly_ = tracked.status == TrackingStatus::kDegraded;
   if (tracked.tracked()) {
     motion_.update(tracked);

@@ -84,5 +84,26 @@ TEST_F(BackwardTrackingTest, BeyondAFrameThatIsSeenBadlyAllAreDoubtful) {
   }
 }
 
+TEST_F(BackwardTrackingTest, WhereLittleOfTheKeyframeIsSeenPosesAreDoubtful) {
+  const PinholeCamera& camera = snapshot_->pyramid->level(0).camera;
+  std::vector<ReferencePoint>& points = snapshot_->points;
+  const SE3 T_frame_reference = truth(kReference - 1).inverse();
+  std::vector<ReferencePoint> leaving;
+  for (const ReferencePoint& point : points) {
+    const Eigen::Vector3d in_reference =
+        camera.unproject(point.pixel.cast<double>()) / static_cast<double>(point.inverse_depth);
+    if (!camera.contains(camera.project(T_frame_reference * in_reference))) leaving.push_back(point);
+  }
+  ASSERT_FALSE(leaving.empty());
+  const std::size_t others = points.size();
+  for (std::size_t i = 0; i < 4 * others; ++i) points.push_back(leaving[i % leaving.size()]);
+  BackwardTracking backward = begin({frame(kReference - 2), frame(kReference - 1)});
+  while (!backward.done()) {
+    const TrackedFrame tracked = backward.next();
+    EXPECT_EQ(tracked.status, TrackingStatus::kDegraded);
+    EXPECT_FALSE(tracked.reason.empty());
+  }
+}
+
 }  // namespace
 }  // namespace mba_vo
