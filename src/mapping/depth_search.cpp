@@ -224,17 +224,17 @@ DepthSearcher::Scan DepthSearcher::scan(const ImmaturePoint& point, const Line& 
 }
 
 /// Gauss-Newton along the line from a step of the scan. Returns false if the place cannot be measured.
-bool DepthSearcher::refine(const ImmaturePoint& point, const Line& searched, const Range& range, Match& match) const {
-  const EpipolarLine& line = searched.epipolar;
-  const SearchPatch patch = searched.patches.make(point.pixel, line, match.s, kRefineSpacing);
+bool DepthSearcher::refine(const ImmaturePoint& point, const Line& line, const Range& range, Match& match) const {
+  const SearchPatch patch = line.patches.make(point.pixel, line.epipolar, match.s, kRefineSpacing);
   if (!hasUsableShape(patch)) return false;
   const auto threshold = static_cast<float>(config_.huber_threshold);
   const auto energyAt = [&](double s) {
-    return static_cast<double>(patchEnergy(frame_->intensity, patch, line.pixelAt(s), threshold));
+    return static_cast<double>(patchEnergy(frame_->intensity, patch, line.epipolar.pixelAt(s), threshold));
   };
   match.energy = energyAt(match.s);
   if (!std::isfinite(match.energy)) return false;
-  LineStep step = linearise(frame_->intensity, patch, line.pixelAt(match.s), line.direction(), config_.huber_threshold);
+  LineStep step = linearise(frame_->intensity, patch, line.epipolar.pixelAt(match.s), line.epipolar.direction(),
+                            config_.huber_threshold);
   for (int i = 0; i < kRefinements; ++i) {
     if (!(step.hessian > 0.0)) return false;
     const double move = std::clamp(-step.gradient / step.hessian, -0.5 * kStep, 0.5 * kStep);
@@ -248,7 +248,8 @@ bool DepthSearcher::refine(const ImmaturePoint& point, const Line& searched, con
     if (!(energy < match.energy)) break;
     match.s = moved;
     match.energy = energy;
-    step = linearise(frame_->intensity, patch, line.pixelAt(match.s), line.direction(), config_.huber_threshold);
+    step = linearise(frame_->intensity, patch, line.epipolar.pixelAt(match.s), line.epipolar.direction(),
+                     config_.huber_threshold);
     if (std::abs(move) < 0.01) break;
   }
   match.error = matchError(step, config_.line_error_px + kBlurError * patch.blur_px);
