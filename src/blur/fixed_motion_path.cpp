@@ -5,6 +5,10 @@ namespace {
 
 constexpr double kMinDepthRatio = 1e-3;  // as in PatchPathMaker
 
+bool isRolling(const PinholeCamera& camera, const Vector6& velocity) {
+  return camera.row_time != 0.0 && !velocity.isZero(0.0);
+}
+
 }  // namespace
 
 /// Where a ray of the camera meets the plane z = 1 / w of the reference, w the inverse depth. With g = R r = g_z (a, b,
@@ -22,22 +26,26 @@ FixedMotionPathMaker::FixedMotionPathMaker(const PinholeCamera& reference_camera
     : reference_camera_(reference_camera),
       camera_(camera),
       moving_(trajectory.xi().squaredNorm() > 0.0),
-      rolling_(camera.row_time != 0.0 || reference_camera.row_time != 0.0),
+      rolling_(isRolling(camera, rows.camera) || isRolling(reference_camera, rows.reference)),
       rows_(rows) {
-  moments_.mid = moments_.carrier = RigidMotion(trajectory.T_reference_mid);
-  moments_.start = moving_ ? RigidMotion(trajectory.start()) : moments_.mid;
-  moments_.end = moving_ ? RigidMotion(trajectory.end()) : moments_.mid;
+  const double half = 0.5 * trajectory.exposure;
+  to_start_ = RigidMotion(SE3::exp(trajectory.motionUntil(-half)));
+  to_end_ = RigidMotion(SE3::exp(trajectory.motionUntil(half)));
+  setMiddle(RigidMotion(trajectory.T_reference_mid), moments_);
+  moments_.carrier = moments_.mid;
+}
+
+/// The motion within the exposure is the same for all rows.
+void FixedMotionPathMaker::setMiddle(const RigidMotion& mid, Moments& moments) const {
+  moments.mid = mid;
+  moments.start = moving_ ? mid * to_start_ : mid;
+  moments.end = moving_ ? mid * to_end_ : mid;
 }
 
 FixedMotionPathMaker::Moments FixedMotionPathMaker::momentsAt(double row, double reference_row) const {
-  const RigidMotion to_reference_row = shortMotion(rows_.reference, -reference_camera_.rowDelay(reference_row));
-  const RigidMotion to_row = shortMotion(rows_.camera, camera_.rowDelay(row));
   Moments moments;
-  moments.carrier = to_reference_row * moments_.mid;
-  moments.mid = moments.carrier * to_row;
-  if (!moving_) return moments;
-  moments.start = to_reference_row * moments_.start * to_row;
-  moments.end = to_reference_row * moments_.end * to_row;
+  moments.carrier = shortMotion(rows_.reference, -reference_camera_.rowDelay(reference_row)) * moments_.mid;
+  setMiddle(moments.carrier * shortMotion(rows_.camera, camera_.rowDelay(row)), moments);
   return moments;
 }
 

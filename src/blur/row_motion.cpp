@@ -1,5 +1,8 @@
 #include "mba_vo/blur/row_motion.h"
 
+#include <cmath>
+#include <limits>
+
 namespace mba_vo {
 
 RigidMotion shortMotion(const Vector6& xi) {
@@ -21,15 +24,20 @@ RigidMotion shortMotion(const Vector6& xi) {
 
 std::optional<RollingProjection> projectRolling(const PinholeCamera& camera, const Vector6& velocity,
                                                 const Eigen::Vector3d& point) {
-  constexpr int kIterations = 4;  // an error of the row shrinks by row_time times the speed of the image, at most 0.1
+  constexpr int kMaxIterations = 4;  // an error shrinks by row_time times the speed of the image, at most 0.1
+  constexpr double kClose = 0.02;    // [rows]
   // The point at time t is Exp(-t v) point, here as a polynomial in t.
   const Eigen::Vector3d w = velocity.tail<3>();
   const Eigen::Vector3d first = -(w.cross(point) + velocity.head<3>());
   const Eigen::Vector3d second = -0.5 * w.cross(first);
   const Eigen::Vector3d third = -w.cross(second) / 3.0;
   Eigen::Vector3d seen = point;
-  for (int i = 0; i < kIterations && seen.z() > 0.0; ++i) {
-    const double t = camera.rowDelay(camera.project(seen).y());
+  double row = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kMaxIterations && seen.z() > 0.0; ++i) {
+    const double previous = row;
+    row = camera.project(seen).y();
+    if (std::abs(row - previous) < kClose) break;
+    const double t = camera.rowDelay(row);
     seen = point + t * (first + t * (second + t * third));
   }
   if (seen.z() <= 0.0) return std::nullopt;

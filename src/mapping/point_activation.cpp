@@ -14,8 +14,7 @@ constexpr double kMinDistance = 2.0;    // [px]
 constexpr double kMaxDistance = 30.0;   // [px]
 constexpr double kCertainSearch = 8.0;  // [px] a longer last search leaves the depth ambiguous
 constexpr double kMinQuality = 3.0;
-constexpr double kStarving = 0.35;  // share of the points wanted
-constexpr double kBorder = 5.0;     // [px]
+constexpr double kBorder = 5.0;  // [px]
 constexpr double kInitialRelativeSigma = 0.05;
 
 std::optional<RollingProjection> see(const PinholeCamera& camera, const Eigen::Vector3d& point) {
@@ -50,8 +49,6 @@ double adaptedDistance(double distance_px, int points, int wanted) {
   const double factor = std::clamp(std::sqrt(ratio), 0.8, 1.25);
   return std::clamp(factor * distance_px, kMinDistance, kMaxDistance);
 }
-
-bool isStarving(int visible_points, int wanted_points) { return visible_points < kStarving * wanted_points; }
 
 bool isReadyToActivate(const ImmaturePoint& point) {
   using State = ImmaturePoint::State;

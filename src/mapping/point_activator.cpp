@@ -6,6 +6,7 @@ namespace mba_vo {
 namespace {
 
 constexpr double kUnrefinedVariance = 1.0;  // of an inverse depth not refined yet: as good as unknown [1/m^2]
+constexpr double kStarving = 0.35;          // share of the points wanted
 constexpr double kBorder = 2.0;             // [px]
 
 template <typename Predicate>
@@ -40,7 +41,7 @@ void PointActivator::activateFound(KeyframeId host, std::vector<ImmaturePoint>& 
   });
 }
 
-bool PointActivator::isStarving(int wanted_points) const { return mba_vo::isStarving(visible_, wanted_points); }
+bool PointActivator::isStarving(int wanted_points) const { return visible_ < kStarving * wanted_points; }
 
 void PointActivator::activateGuessed(KeyframeId host, std::vector<ImmaturePoint>& immature) {
   const std::vector<ReferencePoint> known = pointsSeenBy(window_, camera_, host);

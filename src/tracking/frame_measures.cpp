@@ -41,4 +41,14 @@ FrameMeasures measureFrame(const Reference& reference, const ExposureTrajectory&
   return measures;
 }
 
+double medianDepth(const Reference& reference) {
+  std::vector<float> inverse_depths;
+  inverse_depths.reserve(reference.points.size());
+  for (const ReferencePoint& point : reference.points) inverse_depths.push_back(point.inverse_depth);
+  if (inverse_depths.empty()) return 1.0;
+  const auto middle = inverse_depths.begin() + static_cast<std::ptrdiff_t>(inverse_depths.size() / 2);
+  std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
+  return 1.0 / static_cast<double>(*middle);
+}
+
 }  // namespace mba_vo

@@ -38,16 +38,6 @@ Vector6 seededXi(const Vector6& xi, double fx) {
   return seed;
 }
 
-double medianInverseDepth(const Reference& reference) {
-  std::vector<float> values;
-  values.reserve(reference.points.size());
-  for (const ReferencePoint& p : reference.points) values.push_back(p.inverse_depth);
-  if (values.empty()) return 1.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 /// What stays the same during one call of track().
@@ -58,7 +48,7 @@ struct Tracker::Job {
         guess(g),
         rolling(f.pyramid.level(0).camera.row_time != 0.0),
         exposure(rolling ? std::max(g.trajectory.exposure, kShortestExposure) : g.trajectory.exposure),
-        median_depth(1.0 / medianInverseDepth(r)) {
+        median_depth(medianDepth(r)) {
     for (int level = 0; level < levels; ++level) {
       points.push_back(selectEvenSubset(r, level, patchSide(level), max_points));
     }

@@ -26,6 +26,7 @@ class FixedMotionPathMaker {
   };
   /// Those of the camera's row `row` relative to where the reference was at its `reference_row`.
   Moments momentsAt(double row, double reference_row) const;
+  void setMiddle(const RigidMotion& mid, Moments& moments) const;
   bool hit(const RigidMotion& moment, const Eigen::Vector3d& ray, double inverse_depth, Hit& hit) const;
   Matrix26 poseJacobian(const RigidMotion& carrier, const Hit& hit, double inverse_depth) const;
   template <bool WithPose>
@@ -36,6 +37,7 @@ class FixedMotionPathMaker {
   bool moving_;
   bool rolling_;
   RowMotion rows_;
+  RigidMotion to_start_, to_end_;  // of the exposure, from its middle
   Moments moments_;  // of the middle rows
 };
 

@@ -13,9 +13,8 @@ namespace mba_vo {
 
 class LocalMap;
 
-/// Tracks the frames between keyframes once more, for the trajectory: when the window has been optimised with keyframes
-/// on both sides of them, and once again after that. When they came, parts of what they see had no depths, or poor
-/// ones.
+/// Tracks the frames between keyframes once more, for the trajectory: when the window has been optimised with a second
+/// keyframe after them. When they came, parts of what they see had no depths, or poor ones.
 class FrameRefinement {
  public:
   explicit FrameRefinement(const MapperConfig& config);

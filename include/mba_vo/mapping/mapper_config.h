@@ -53,7 +53,7 @@ struct MapperConfig {
     v("refine_calibration", c.refine_calibration,
       "correct focal length, centre, radial distortion and row time where the images say that they are wrong");
     v("refine_frames", c.refine_frames,
-      "track frames once more, for the trajectory, when the keyframes on both sides of them have been optimised");
+      "track frames once more, for the trajectory, when a second keyframe after them has been optimised");
   }
 };
 

@@ -28,10 +28,6 @@ class SpacingGrid {
 /// Spacing that brings `points` nearer to `wanted` the next time [px].
 double adaptedDistance(double distance_px, int points, int wanted);
 
-/// True if a keyframe sees so few points that any more are welcome: on fast turns what comes into view is blurred, and
-/// gone again before the search has found depths.
-bool isStarving(int visible_points, int wanted_points);
-
 /// True if the depth of an immature point is certain enough to enter the window.
 bool isReadyToActivate(const ImmaturePoint& point);
 

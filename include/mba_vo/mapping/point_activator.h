@@ -18,6 +18,8 @@ class PointActivator {
   /// Those of the host whose depths have been found. Takes those away that were activated or never will be.
   void activateFound(KeyframeId host, std::vector<ImmaturePoint>& immature);
 
+  /// True if the keyframe sees so few points that any more are welcome: on fast turns what comes into view is blurred,
+  /// and gone again before the search has found depths.
   bool isStarving(int wanted_points) const;
   /// Those of the host whose depths have not been found, beginning with the depths of points around: the keyframes
   /// together tell more than the search in one frame after the other. Takes those away that were activated.

@@ -15,4 +15,7 @@ struct FrameMeasures {
 
 FrameMeasures measureFrame(const Reference& reference, const ExposureTrajectory& trajectory);
 
+/// Of the points of a reference; 1 if it has none [m].
+double medianDepth(const Reference& reference);
+
 }  // namespace mba_vo
