@@ -32,7 +32,7 @@ void TrajectoryStore::addFrame(const TrackedFrame& tracked) {
   stored.mid_exposure_ns = frame.mid_exposure_ns;
   stored.map_id = tracked.reference.map_id;
   stored.keyframe_id = tracked.reference.keyframe_id;
-  stored.T_keyframe_mid = tracked.trajectory.T_reference_mid;
+  stored.T_keyframe_mid = StoredPose(tracked.trajectory.T_reference_mid);
   stored.exposure = tracked.trajectory.exposure;
   stored.velocity = tracked.trajectory.velocity.cast<float>();
   stored.degraded = tracked.status == TrackingStatus::kDegraded;
@@ -45,7 +45,7 @@ void TrajectoryStore::makeKeyframe(const TrackedFrame& tracked, MapId map, Keyfr
   StoredFrame& stored = entryOf(tracked.frame->sequence);
   stored.map_id = map;
   stored.keyframe_id = keyframe;
-  stored.T_keyframe_mid = SE3();
+  stored.T_keyframe_mid = StoredPose();
   stored.is_keyframe = true;
 }
 
@@ -79,8 +79,9 @@ std::vector<TrajectoryEntry> TrajectoryStore::entries() const {
   std::vector<TrajectoryEntry> entries;
   entries.reserve(frames_.size());
   for (const StoredFrame& frame : frames_) {
-    const ExposureTrajectory in_map{T_map_keyframe(frame.map_id, frame.keyframe_id) * frame.T_keyframe_mid,
-                                    frame.velocity.cast<double>(), frame.exposure, frame.acceleration.cast<double>()};
+    const SE3 T_map_mid = T_map_keyframe(frame.map_id, frame.keyframe_id) * frame.T_keyframe_mid.pose();
+    const ExposureTrajectory in_map{T_map_mid, frame.velocity.cast<double>(), frame.exposure,
+                                    frame.acceleration.cast<double>()};
     entries.push_back({frame.sequence, frame.stamp_ns, frame.mid_exposure_ns, frame.map_id, in_map, frame.degraded});
   }
   std::sort(entries.begin(), entries.end(),

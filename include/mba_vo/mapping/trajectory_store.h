@@ -35,14 +35,23 @@ class TrajectoryStore {
   std::vector<TrajectoryEntry> entries() const;
 
  private:
-  /// The motion in single precision: hours of it have to fit.
+  /// In single precision, as hours of it have to fit, and relative to the keyframe nothing is far away.
+  struct StoredPose {
+    Eigen::Quaternionf rotation = Eigen::Quaternionf::Identity();
+    Eigen::Vector3f translation = Eigen::Vector3f::Zero();  // [m]
+
+    StoredPose() = default;
+    explicit StoredPose(const SE3& T)
+        : rotation(T.rotation().cast<float>()), translation(T.translation().cast<float>()) {}
+    SE3 pose() const { return {rotation.cast<double>(), translation.cast<double>()}; }
+  };
   struct StoredFrame {
     std::uint64_t sequence = 0;
     std::int64_t stamp_ns = 0;
     std::int64_t mid_exposure_ns = 0;
     MapId map_id = 0;
     KeyframeId keyframe_id = 0;
-    SE3 T_keyframe_mid;
+    StoredPose T_keyframe_mid;
     double exposure = 0.0;                                                         // [s]
     Eigen::Matrix<float, 6, 1> velocity = Eigen::Matrix<float, 6, 1>::Zero();      // [m/s, rad/s]
     Eigen::Matrix<float, 6, 1> acceleration = Eigen::Matrix<float, 6, 1>::Zero();  // [m/s^2, rad/s^2]
