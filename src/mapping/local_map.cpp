@@ -185,6 +185,7 @@ void LocalMap::marginalizeKeyframes() {
   for (const KeyframeId id : window_.keyframesToMarginalize()) {
     keepForDisplay(id);
     window_.marginalize(id);
+    store_.attachKeyframe(id_, id, keyframes_.upper_bound(id)->first);
     keyframes_.erase(id);
   }
 }

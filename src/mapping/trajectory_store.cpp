@@ -53,10 +53,22 @@ void TrajectoryStore::setKeyframePose(MapId map, KeyframeId keyframe, const SE3&
   const std::pair<MapId, KeyframeId> id(map, keyframe);
   const auto place = placeOf(keyframes_, id);
   if (place != keyframes_.end() && place->id == id) {
-    place->T_map_keyframe = T_map_keyframe;
+    place->T_base_keyframe = T_map_keyframe;
+    place->base.reset();
   } else {
-    keyframes_.insert(place, {id, T_map_keyframe});
+    keyframes_.insert(place, {id, T_map_keyframe, std::nullopt});
   }
+}
+
+void TrajectoryStore::attachKeyframe(MapId map, KeyframeId keyframe, KeyframeId base) {
+  if (base <= keyframe) {
+    throw std::invalid_argument("keyframe " + std::to_string(keyframe) + " cannot be attached to keyframe " +
+                                std::to_string(base) + ", which is not newer");
+  }
+  const SE3 T_base_keyframe = T_map_keyframe(map, base).inverse() * T_map_keyframe(map, keyframe);
+  const auto place = placeOf(keyframes_, {map, keyframe});
+  place->T_base_keyframe = T_base_keyframe;
+  place->base = base;
 }
 
 void TrajectoryStore::forget(MapId map, KeyframeId from_keyframe) {
@@ -66,20 +78,45 @@ void TrajectoryStore::forget(MapId map, KeyframeId from_keyframe) {
   frames_.erase(std::remove_if(frames_.begin(), frames_.end(), forgotten), frames_.end());
 }
 
-SE3 TrajectoryStore::T_map_keyframe(MapId map, KeyframeId keyframe) const {
+const TrajectoryStore::StoredKeyframe& TrajectoryStore::entryOf(MapId map, KeyframeId keyframe) const {
   const std::pair<MapId, KeyframeId> id(map, keyframe);
   const auto place = placeOf(keyframes_, id);
   if (place == keyframes_.end() || place->id != id) {
     throw std::out_of_range("map " + std::to_string(map) + " has no keyframe " + std::to_string(keyframe));
   }
-  return place->T_map_keyframe;
+  return *place;
+}
+
+SE3 TrajectoryStore::T_map_keyframe(MapId map, KeyframeId keyframe) const {
+  const StoredKeyframe* stored = &entryOf(map, keyframe);
+  SE3 pose = stored->T_base_keyframe;
+  while (stored->base) {
+    stored = &entryOf(map, *stored->base);
+    pose = stored->T_base_keyframe * pose;
+  }
+  return pose;
+}
+
+/// From the newest to the oldest: what a keyframe is relative to is newer.
+std::vector<SE3> TrajectoryStore::keyframePoses() const {
+  std::vector<SE3> poses(keyframes_.size());
+  for (std::size_t i = keyframes_.size(); i-- > 0;) {
+    const StoredKeyframe& keyframe = keyframes_[i];
+    poses[i] = keyframe.T_base_keyframe;
+    if (!keyframe.base) continue;
+    const auto base = placeOf(keyframes_, {keyframe.id.first, *keyframe.base});
+    poses[i] = poses[static_cast<std::size_t>(base - keyframes_.begin())] * poses[i];
+  }
+  return poses;
 }
 
 std::vector<TrajectoryEntry> TrajectoryStore::entries() const {
+  const std::vector<SE3> keyframe_poses = keyframePoses();
   std::vector<TrajectoryEntry> entries;
   entries.reserve(frames_.size());
   for (const StoredFrame& frame : frames_) {
-    const SE3 T_map_mid = T_map_keyframe(frame.map_id, frame.keyframe_id) * frame.T_keyframe_mid.pose();
+    const auto keyframe = &entryOf(frame.map_id, frame.keyframe_id) - keyframes_.data();
+    const SE3 T_map_mid = keyframe_poses[static_cast<std::size_t>(keyframe)] * frame.T_keyframe_mid.pose();
     const ExposureTrajectory in_map{T_map_mid, frame.velocity.cast<double>(), frame.exposure,
                                     frame.acceleration.cast<double>()};
     entries.push_back({frame.sequence, frame.stamp_ns, frame.mid_exposure_ns, frame.map_id, in_map, frame.degraded});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -19,7 +20,8 @@ struct TrajectoryEntry {
 };
 
 /// Keeps every measured pose relative to its keyframe and the newest pose of every keyframe; composes them only when a
-/// trajectory is asked for.
+/// trajectory is asked for. A keyframe that has left the window is kept relative to one that has not: where the two are
+/// from each other is known far better than where the window as a whole is, which goes on changing.
 class TrajectoryStore {
  public:
   /// Stores or replaces the pose of a tracked frame; that of a keyframe stays.
@@ -27,6 +29,8 @@ class TrajectoryStore {
   /// The frame has become this keyframe: its pose is the keyframe's from now on, its motion what the tracker found.
   void makeKeyframe(const TrackedFrame& tracked, MapId map, KeyframeId keyframe);
   void setKeyframePose(MapId map, KeyframeId keyframe, const SE3& T_map_keyframe);
+  /// From now on the keyframe is where it is relative to a newer one, `base`, wherever that will be.
+  void attachKeyframe(MapId map, KeyframeId keyframe, KeyframeId base);
   /// Forgets the frames of a map that are relative to this or later keyframes.
   void forget(MapId map, KeyframeId from_keyframe);
   SE3 T_map_keyframe(MapId map, KeyframeId keyframe) const;
@@ -60,11 +64,15 @@ class TrajectoryStore {
   };
   struct StoredKeyframe {
     std::pair<MapId, KeyframeId> id;
-    SE3 T_map_keyframe;
+    SE3 T_base_keyframe;
+    std::optional<KeyframeId> base;  // nullopt: the map
   };
 
   /// The entry of this frame; a new one if there was none.
   StoredFrame& entryOf(std::uint64_t sequence);
+  const StoredKeyframe& entryOf(MapId map, KeyframeId keyframe) const;
+  /// In the order of keyframes_.
+  std::vector<SE3> keyframePoses() const;
 
   // In blocks, not piece by piece: what stays must not lie scattered between images that go.
   std::vector<StoredFrame> frames_;        // by sequence number
