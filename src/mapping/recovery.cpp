@@ -46,7 +46,8 @@ std::unique_ptr<LocalMap> Recovery::windowAt(const Relocalizer::Found& found, co
   initial.reference = found.keyframe_frame;
   initial.points = known.points;
   initial.metric = old.isMetric();
-  const LocalMap::Place place{known.T_map_reference, old.newestKeyframe() + 1, known.brightness};
+  const SE3 T_map_keyframe = store.T_map_keyframe(old.id(), found.keyframe);
+  const LocalMap::Place place{T_map_keyframe, old.newestKeyframe() + 1, known.brightness};
   auto window = std::make_unique<LocalMap>(config_, old.id(), initial, known.velocity, place, store, calibration);
   window->inheritPoints(old.points());
   return window;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "mba_vo/mapping/calibration_system.h"
+#include "mba_vo/mapping/gauge_hold.h"
 #include "mba_vo/mapping/host_error.h"
 #include "mba_vo/mapping/keyframe_retirement.h"
 #include "mba_vo/mapping/window_marginalizer.h"
@@ -62,7 +63,6 @@ class Window::Impl {
   void marginalizePoints();
   void marginalize(KeyframeId keyframe);
   const std::vector<PairGeometry>& pairs();
-  bool hasMeasuredDepths() const;
   /// `positions`: of the keyframes' cameras.
   WindowPoint describe(const PointState& point, const std::vector<Eigen::Vector3d>& positions) const;
 
@@ -166,11 +166,6 @@ const std::vector<PairGeometry>& Window::Impl::pairs() {
   return pairs_;
 }
 
-bool Window::Impl::hasMeasuredDepths() const {
-  return std::any_of(state_.points.begin(), state_.points.end(),
-                     [](const PointState& point) { return point.measured.known(); });
-}
-
 WindowPoint Window::Impl::describe(const PointState& point, const std::vector<Eigen::Vector3d>& positions) const {
   WindowPoint out;
   const KeyframeState& host = state_.keyframe(point.host);
@@ -238,12 +233,15 @@ void Window::addResidualsTo(KeyframeId target) {
 }
 
 WindowSummary Window::optimize(int max_iterations) {
-  if (!impl_->anchor_chosen_ && impl_->state_.size() > 1 && !impl_->hasMeasuredDepths()) {
+  if (!impl_->anchor_chosen_ && impl_->state_.size() > 1 && !impl_->state_.hasMeasuredDepths()) {
     impl_->anchor_.choose(impl_->state_);
     impl_->anchor_chosen_ = impl_->anchor_.active();
   }
   impl_->pairs_.clear();
-  return impl_->optimizer_.optimize(impl_->state_, impl_->anchor_, max_iterations);
+  const GaugeHold gauge(impl_->state_);
+  const WindowSummary summary = impl_->optimizer_.optimize(impl_->state_, impl_->anchor_, max_iterations);
+  if (!impl_->anchor_.active()) gauge.restore(impl_->state_);
+  return summary;
 }
 
 void Window::setCorrection(const CalibrationCorrection& correction) {

@@ -64,6 +64,10 @@ int WindowState::goodResiduals(const PointState& point) const {
                                         [this](const PatchResidual& r) { return isGood(r); }));
 }
 
+bool WindowState::hasMeasuredDepths() const {
+  return std::any_of(points.begin(), points.end(), [](const PointState& point) { return point.measured.known(); });
+}
+
 double WindowState::meanPrecision() const {
   double sum = 0.0;
   int count = 0;

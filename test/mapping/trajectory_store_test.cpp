@@ -144,6 +144,32 @@ TEST(TrajectoryStore, ForgetsTheLastPosesOfAMap) {
   EXPECT_EQ(entries[1].frame_sequence, 4U) << "another map";
 }
 
+TEST(TrajectoryStore, AttachedKeyframesFollowTheNewerOnes) {
+  test::Random random(4);
+  const SE3 motion = random.pose(0.3, 0.3);
+  std::vector<SE3> first;
+  TrajectoryStore store;
+  for (KeyframeId id = 0; id < 4; ++id) {
+    first.push_back(random.pose(1.0, 1.0));
+    store.setKeyframePose(1, id, first.back());
+    store.addFrame(trackedAt(id, 100 * (id + 1), 1, id, SE3()));
+  }
+  store.attachKeyframe(1, 1, 2);  // out of turn
+  store.attachKeyframe(1, 0, 1);
+  store.attachKeyframe(1, 2, 3);
+  for (KeyframeId id = 0; id < 4; ++id) EXPECT_LT(distance(store.T_map_keyframe(1, id), first[id]), 1e-12);
+
+  store.setKeyframePose(1, 3, motion * first[3]);
+  const auto entries = store.entries();
+  ASSERT_EQ(entries.size(), 4U);
+  for (KeyframeId id = 0; id < 4; ++id) {
+    EXPECT_LT(distance(store.T_map_keyframe(1, id), motion * first[id]), 1e-12);
+    EXPECT_LT(distance(entries[id].trajectory.T_reference_mid, motion * first[id]), 1e-12);
+  }
+  EXPECT_THROW(store.attachKeyframe(1, 3, 3), std::invalid_argument);
+  EXPECT_THROW(store.attachKeyframe(1, 3, 4), std::out_of_range);
+}
+
 TEST(TrajectoryStore, DoesNotInventPosesOfUnknownKeyframes) {
   TrajectoryStore store;
   EXPECT_TRUE(store.entries().empty());

@@ -94,6 +94,8 @@ struct WindowState {
     return residual.energy <= keyframe(residual.target).outlier_energy;  // false for kNoEnergy
   }
   int goodResiduals(const PointState& point) const;
+  /// Then the scale is theirs.
+  bool hasMeasuredDepths() const;
   /// Of the residuals into keyframes, their mean; 1 without any [1 / grey level^2].
   double meanPrecision() const;
 };
