@@ -12,7 +12,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "mba_vo/image/image_memory.h"
 #include "mba_vo/io/calibrated_run.h"
 #include "mba_vo/io/faulty_sequence.h"
 #include "mba_vo/io/progress_bar.h"
@@ -265,7 +264,6 @@ void run(const Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  mba_vo::giveImagesOwnPages();
   CLI::App app("Runs the motion-blur-aware odometry over a recorded sequence.", "mba_vo_offline");
   Arguments arguments;
   describe(app, arguments);

@@ -27,26 +27,26 @@ FixedMotionPathMaker::FixedMotionPathMaker(const PinholeCamera& reference_camera
       camera_(camera),
       moving_(trajectory.xi().squaredNorm() > 0.0),
       rolling_(isRolling(camera, rows.camera) || isRolling(reference_camera, rows.reference)),
-      rows_(rows) {
+      reference_(RigidMotion(), rows.reference),
+      T_reference_camera_(RigidMotion(trajectory.T_reference_mid), rows.camera) {
   const double half = 0.5 * trajectory.exposure;
   to_start_ = RigidMotion(SE3::exp(trajectory.motionUntil(-half)));
   to_end_ = RigidMotion(SE3::exp(trajectory.motionUntil(half)));
-  setMiddle(RigidMotion(trajectory.T_reference_mid), moments_);
-  moments_.carrier = moments_.mid;
+  moments_ = momentsAround(RigidMotion(trajectory.T_reference_mid));
 }
 
 /// The motion within the exposure is the same for all rows.
-void FixedMotionPathMaker::setMiddle(const RigidMotion& mid, Moments& moments) const {
-  moments.mid = mid;
-  moments.start = moving_ ? mid * to_start_ : mid;
-  moments.end = moving_ ? mid * to_end_ : mid;
+FixedMotionPathMaker::Moments FixedMotionPathMaker::momentsAround(const RigidMotion& mid) const {
+  return moving_ ? Moments{mid * to_start_, mid, mid * to_end_} : Moments{mid, mid, mid};
 }
 
 FixedMotionPathMaker::Moments FixedMotionPathMaker::momentsAt(double row, double reference_row) const {
-  Moments moments;
-  moments.carrier = shortMotion(rows_.reference, -reference_camera_.rowDelay(reference_row)) * moments_.mid;
-  setMiddle(moments.carrier * shortMotion(rows_.camera, camera_.rowDelay(row)), moments);
-  return moments;
+  const RigidMotion to_reference_row = reference_.at(-reference_camera_.rowDelay(reference_row));
+  return momentsAround(to_reference_row * T_reference_camera_.at(camera_.rowDelay(row)));
+}
+
+RigidMotion FixedMotionPathMaker::carrierAt(double reference_row) const {
+  return reference_.at(-reference_camera_.rowDelay(reference_row)) * moments_.mid;
 }
 
 bool FixedMotionPathMaker::hit(const RigidMotion& moment, const Eigen::Vector3d& ray, double inverse_depth,
@@ -88,9 +88,8 @@ Matrix26 FixedMotionPathMaker::poseJacobian(const RigidMotion& carrier, const Hi
   return J;
 }
 
-template <bool WithPose>
-bool FixedMotionPathMaker::makePath(const Moments& moments, const Eigen::Vector2d& pixel, double inverse_depth,
-                                    PatchPath& path) const {
+bool FixedMotionPathMaker::makePath(const Moments& moments, const RigidMotion* carrier, const Eigen::Vector2d& pixel,
+                                    double inverse_depth, PatchPath& path) const {
   if (inverse_depth <= 0.0) return false;
   const Eigen::Vector3d ray = camera_.unproject(pixel);
   Hit mid;
@@ -98,13 +97,13 @@ bool FixedMotionPathMaker::makePath(const Moments& moments, const Eigen::Vector2
   path.c0 = mid.pixel.cast<float>();
   path.A0 = mid.A.cast<float>();
   path.J_inverse_depth[0] = mid.J_inverse_depth;
-  if (WithPose) path.J_pose[0] = poseJacobian(moments.carrier, mid, inverse_depth);
+  if (carrier) path.J_pose[0] = poseJacobian(*carrier, mid, inverse_depth);
   if (!moving_) {
     path.c1.setZero();
     path.c2.setZero();
     path.A1.setZero();
     path.J_inverse_depth[1].setZero();
-    if (WithPose) path.J_pose[1].setZero();
+    if (carrier) path.J_pose[1].setZero();
     return true;
   }
   Hit start;
@@ -114,22 +113,23 @@ bool FixedMotionPathMaker::makePath(const Moments& moments, const Eigen::Vector2
   path.c2 = (2.0 * (start.pixel + end.pixel) - 4.0 * mid.pixel).cast<float>();
   path.A1 = (end.A - start.A).cast<float>();
   path.J_inverse_depth[1] = end.J_inverse_depth - start.J_inverse_depth;
-  if (WithPose)
-    path.J_pose[1] =
-        poseJacobian(moments.carrier, end, inverse_depth) - poseJacobian(moments.carrier, start, inverse_depth);
+  if (carrier) {
+    path.J_pose[1] = poseJacobian(*carrier, end, inverse_depth) - poseJacobian(*carrier, start, inverse_depth);
+  }
   return true;
 }
 
 bool FixedMotionPathMaker::make(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path,
                                 double reference_row) const {
-  if (rolling_) return makePath<true>(momentsAt(pixel.y(), reference_row), pixel, inverse_depth, path);
-  return makePath<true>(moments_, pixel, inverse_depth, path);
+  if (!rolling_) return makePath(moments_, &moments_.mid, pixel, inverse_depth, path);
+  const RigidMotion carrier = carrierAt(reference_row);
+  return makePath(momentsAt(pixel.y(), reference_row), &carrier, pixel, inverse_depth, path);
 }
 
 bool FixedMotionPathMaker::makeWithoutPose(const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path,
                                            double reference_row) const {
-  if (rolling_) return makePath<false>(momentsAt(pixel.y(), reference_row), pixel, inverse_depth, path);
-  return makePath<false>(moments_, pixel, inverse_depth, path);
+  if (!rolling_) return makePath(moments_, nullptr, pixel, inverse_depth, path);
+  return makePath(momentsAt(pixel.y(), reference_row), nullptr, pixel, inverse_depth, path);
 }
 
 }  // namespace mba_vo

@@ -22,6 +22,20 @@ RigidMotion shortMotion(const Vector6& xi) {
   return motion;
 }
 
+MovingPose::MovingPose(const RigidMotion& T, const Vector6& velocity) {
+  Eigen::Matrix4d twist = Eigen::Matrix4d::Zero();
+  twist.topLeftCorner<3, 3>() = hat(velocity.tail<3>());
+  twist.topRightCorner<3, 1>() = velocity.head<3>();
+  c_[0] << T.R, T.p;
+  Eigen::Matrix4d power = Eigen::Matrix4d::Identity();
+  double factorial = 1.0;
+  for (std::size_t k = 1; k < c_.size(); ++k) {
+    power = (power * twist).eval();
+    factorial *= static_cast<double>(k);
+    c_[k] = T.R * power.topRows<3>() / factorial;
+  }
+}
+
 std::optional<RollingProjection> projectRolling(const PinholeCamera& camera, const Vector6& velocity,
                                                 const Eigen::Vector3d& point) {
   constexpr int kMaxIterations = 4;  // an error shrinks by row_time times the speed of the image, at most 0.1

@@ -7,12 +7,15 @@
 
 #include "mba_vo/image/parallel_for.h"
 #include "mba_vo/image/point_selector.h"
+#include "mba_vo/mapping/freed_memory.h"
 #include "mba_vo/mapping/point_activator.h"
 
 namespace mba_vo {
 namespace {
 
 constexpr int kCalibrationKeyframes = 4;  // least number in a window that tells about the calibration
+
+constexpr int kDeparturesPerReturn = 32;  // of keyframes, until the memory they leave is given back
 
 constexpr std::size_t kPointsPerSearch = 64;  // in one piece of parallel work
 
@@ -187,6 +190,7 @@ void LocalMap::marginalizeKeyframes() {
     window_.marginalize(id);
     store_.attachKeyframe(id_, id, keyframes_.upper_bound(id)->first);
     keyframes_.erase(id);
+    if (++departed_ % kDeparturesPerReturn == 0) returnFreedMemory();
   }
 }
 

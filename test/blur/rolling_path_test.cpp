@@ -60,6 +60,19 @@ TEST(ShortMotion, IsTheExponential) {
   }
 }
 
+TEST(MovingPose, FollowsTheExponential) {
+  test::Random random(3);
+  for (int i = 0; i < 50; ++i) {
+    const SE3 T = random.pose(1.0, 3.0);
+    const Vector6 velocity = random.tangent(1.0, 2.0);
+    const double t = random.uniform(-0.015, 0.015);
+    const SE3 expected = T * SE3::exp(t * velocity);
+    const RigidMotion pose = MovingPose(RigidMotion(T), velocity).at(t);
+    EXPECT_LT((pose.R - expected.rotationMatrix()).norm(), 2e-7);
+    EXPECT_LT((pose.p - expected.translation()).norm(), 2e-7);
+  }
+}
+
 TEST(ProjectRolling, TheRowIsReadWhenThePointIsThere) {
   test::Random random(2);
   for (int i = 0; i < 100; ++i) {

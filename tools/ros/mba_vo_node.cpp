@@ -4,8 +4,6 @@
 #include <nodelet/loader.h>
 #include <ros/ros.h>
 
-#include "mba_vo/image/image_memory.h"
-
 namespace {
 
 /// Remappings given on the command line are relative to this node's parent (image:=/camera/image_raw); the nodelets
@@ -23,7 +21,6 @@ ros::M_string remappingsBelow(const std::string& ns) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  mba_vo::giveImagesOwnPages();
   ros::init(argc, argv, "mba_vo");
   try {
     const std::string ns = ros::this_node::getName();

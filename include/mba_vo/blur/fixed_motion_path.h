@@ -22,23 +22,26 @@ class FixedMotionPathMaker {
   struct Hit;
   struct Moments {
     RigidMotion start, mid, end;
-    RigidMotion carrier;  // what an increment of the pose moves: `mid`, but for the time of the camera's row
   };
   /// Those of the camera's row `row` relative to where the reference was at its `reference_row`.
   Moments momentsAt(double row, double reference_row) const;
-  void setMiddle(const RigidMotion& mid, Moments& moments) const;
+  /// What an increment of the pose moves: mid-exposure, but for the time of the camera's row.
+  RigidMotion carrierAt(double reference_row) const;
+  Moments momentsAround(const RigidMotion& mid) const;
   bool hit(const RigidMotion& moment, const Eigen::Vector3d& ray, double inverse_depth, Hit& hit) const;
   Matrix26 poseJacobian(const RigidMotion& carrier, const Hit& hit, double inverse_depth) const;
-  template <bool WithPose>
-  bool makePath(const Moments& moments, const Eigen::Vector2d& pixel, double inverse_depth, PatchPath& path) const;
+  /// `carrier`: nullptr if the derivatives by the pose are not wanted.
+  bool makePath(const Moments& moments, const RigidMotion* carrier, const Eigen::Vector2d& pixel, double inverse_depth,
+                PatchPath& path) const;
 
   PinholeCamera reference_camera_;
   PinholeCamera camera_;
   bool moving_;
   bool rolling_;
-  RowMotion rows_;
+  MovingPose reference_;           // where its row was, relative to its middle row
+  MovingPose T_reference_camera_;  // of mid-exposure in the camera's rows
   RigidMotion to_start_, to_end_;  // of the exposure, from its middle
-  Moments moments_;  // of the middle rows
+  Moments moments_;                // of the middle rows
 };
 
 }  // namespace mba_vo

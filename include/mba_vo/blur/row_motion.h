@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <utility>
 
@@ -27,6 +28,21 @@ struct RigidMotion {
 RigidMotion shortMotion(const Vector6& xi);
 /// Exp(t v), t [s].
 inline RigidMotion shortMotion(const Vector6& velocity, double t) { return shortMotion(t * velocity); }
+
+/// T Exp(t v) for many short times t: a cubic in t.
+class MovingPose {
+ public:
+  MovingPose() : MovingPose(RigidMotion(), Vector6::Zero()) {}
+  MovingPose(const RigidMotion& T, const Vector6& velocity);
+  RigidMotion at(double t) const {
+    const Coefficient pose = c_[0] + t * (c_[1] + t * (c_[2] + t * c_[3]));
+    return {pose.leftCols<3>(), pose.col(3)};
+  }
+
+ private:
+  using Coefficient = Eigen::Matrix<double, 3, 4>;
+  std::array<Coefficient, 4> c_;
+};
 
 /// How camera and reference move while their rows are read out [m/s, rad/s, each in its own axes]. The camera is at
 /// T_reference_camera Exp(t v) when the row is exposed that comes t after the middle row, acceleration being neglected.

@@ -99,6 +99,7 @@ class LocalMap {
   std::map<KeyframeId, HostKeyframe> keyframes_;
   KeyframeId next_keyframe_ = 0;
   std::uint32_t revision_ = 0;
+  int departed_ = 0;                     // keyframes that have left the window
   double activation_distance_px_ = 4.0;  // adapted so that the window holds about max_points
   double depth_search_ms_ = 0.0;         // since the last keyframe
   std::vector<MapPoint> old_points_;
