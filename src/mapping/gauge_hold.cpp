@@ -26,11 +26,9 @@ void scaleLength(Vector6& motion, double scale) { motion.head<3>() *= scale; }
 
 }  // namespace
 
-GaugeHold::GaugeHold(const WindowState& state, PointId first_new_point) : any_scale_(!state.hasMeasuredDepths()) {
+GaugeHold::GaugeHold(const WindowState& state) : any_scale_(!state.hasMeasuredDepths()) {
   for (int i = 0; i + 1 < state.size(); ++i) T_map_keyframe_.push_back(state.keyframe(i).T_map_keyframe());
-  for (const PointState& point : state.points) {
-    if (point.id < first_new_point) points_.push_back({point.id, point.inverse_depth});
-  }
+  for (const PointState& point : state.points) points_.push_back({point.id, point.inverse_depth});
 }
 
 /// By which the window has shrunk.

@@ -77,7 +77,6 @@ class Window::Impl {
   WindowState state_;
   std::vector<PairGeometry> pairs_;  // of the current state; empty: not made yet
   PointId next_point_ = 0;
-  PointId first_new_point_ = 0;  // since the last optimisation
   CalibrationCorrection correction_;
 };
 
@@ -239,8 +238,7 @@ WindowSummary Window::optimize(int max_iterations) {
     impl_->anchor_chosen_ = impl_->anchor_.active();
   }
   impl_->pairs_.clear();
-  const GaugeHold gauge(impl_->state_, impl_->first_new_point_);
-  impl_->first_new_point_ = impl_->next_point_;
+  const GaugeHold gauge(impl_->state_);
   const WindowSummary summary = impl_->optimizer_.optimize(impl_->state_, impl_->anchor_, max_iterations);
   if (!impl_->anchor_.active()) gauge.restore(impl_->state_);
   return summary;

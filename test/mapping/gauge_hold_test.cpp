@@ -11,7 +11,7 @@ namespace mba_vo {
 namespace {
 
 constexpr int kKeyframes = 4;
-constexpr PointId kPoints = 60;
+constexpr int kPoints = 60;
 constexpr double kScale = 1.03;
 
 double distance(const SE3& a, const SE3& b) { return (a.inverse() * b).log().norm(); }
@@ -31,10 +31,10 @@ WindowState makeState(test::Random& random) {
     state.keyframes.push_back(keyframe);
     state.prior.appendKeyframe();
   }
-  for (PointId i = 0; i < kPoints; ++i) {
+  for (int i = 0; i < kPoints; ++i) {
     PointState point;
-    point.id = i;
-    point.host = static_cast<int>(i) % kKeyframes;
+    point.id = static_cast<PointId>(i);
+    point.host = i % kKeyframes;
     point.pixel = Eigen::Vector2d(random.normal(0.3), random.normal(0.3));
     point.inverse_depth = 0.5 * std::exp(random.normal(0.2));
     point.information = 1e4;
@@ -58,7 +58,7 @@ TEST(GaugeHold, UndoesWhatMovesTheWholeWindow) {
   test::Random random(1);
   const WindowState before = makeState(random);
   WindowState state = before;
-  const GaugeHold gauge(state, kPoints);
+  const GaugeHold gauge(state);
   moveWhole(state, random.pose(0.1, 0.1), kScale);
   gauge.restore(state);
   for (int i = 0; i < kKeyframes; ++i) {
@@ -74,7 +74,7 @@ TEST(GaugeHold, TheNewestKeyframeMayMove) {
   test::Random random(2);
   const WindowState before = makeState(random);
   WindowState state = before;
-  const GaugeHold gauge(state, kPoints);
+  const GaugeHold gauge(state);
   const SE3 correction = random.pose(0.3, 0.3);
   state.keyframes.back().delta.head<6>() = correction.log();
   gauge.restore(state);
@@ -85,21 +85,10 @@ TEST(GaugeHold, TheNewestKeyframeMayMove) {
   EXPECT_LT(distance(state.keyframes.back().T_map_keyframe(), moved), 1e-9);
 }
 
-TEST(GaugeHold, NewPointsHaveNoSay) {
-  test::Random random(6);
-  const WindowState before = makeState(random);
-  WindowState state = before;
-  const GaugeHold gauge(state, kPoints / 2);
-  for (PointState& point : state.points) point.inverse_depth *= point.id < kPoints / 2 ? 1.0 : 1.2;
-  gauge.restore(state);
-  EXPECT_EQ(state.points.front().inverse_depth, before.points.front().inverse_depth);
-  EXPECT_LT(distance(state.keyframe(0).T_map_keyframe(), before.keyframe(0).T_map_keyframe()), 1e-12);
-}
-
 TEST(GaugeHold, ChangesNothingThatImagesSee) {
   test::Random random(3);
   WindowState state = makeState(random);
-  const GaugeHold gauge(state, kPoints);
+  const GaugeHold gauge(state);
   moveWhole(state, random.pose(0.1, 0.1), kScale);
   for (KeyframeState& keyframe : state.keyframes) keyframe.delta.head<6>() += random.tangent(0.01, 0.01);
   for (PointState& point : state.points) point.inverse_depth *= std::exp(random.normal(0.1));
@@ -124,7 +113,7 @@ TEST(GaugeHold, MeasuredDepthsKeepTheirScale) {
   test::Random random(4);
   WindowState state = makeState(random);
   state.points.front().measured = {0.5, 1e-4};
-  const GaugeHold gauge(state, kPoints);
+  const GaugeHold gauge(state);
   moveWhole(state, SE3(), kScale);
   const WindowState optimised = state;
   gauge.restore(state);
@@ -138,7 +127,7 @@ TEST(GaugeHold, FirstEstimatesStay) {
   WindowState state = makeState(random);
   state.prior.connect(1);
   const SE3 first = state.keyframe(1).T_linear;
-  const GaugeHold gauge(state, kPoints);
+  const GaugeHold gauge(state);
   moveWhole(state, random.pose(0.1, 0.1), kScale);
   for (KeyframeState& keyframe : state.keyframes) keyframe.delta.head<6>() += random.tangent(0.01, 0.01);
   gauge.restore(state);

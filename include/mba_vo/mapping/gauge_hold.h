@@ -11,9 +11,8 @@ namespace mba_vo {
 /// rescale the window by much more than its keyframes move against each other. This keeps it where it was before.
 class GaugeHold {
  public:
-  /// Remembers where all but the newest keyframe are, and how large the window is, if it may be of any size: the depths
-  /// of points older than `first_new_point` tell. Newer ones were never optimised, and may be wrong all alike.
-  GaugeHold(const WindowState& state, PointId first_new_point);
+  /// Remembers where all but the newest keyframe are, and how large the window is, if it may be of any size.
+  explicit GaugeHold(const WindowState& state);
 
   /// Moves the whole window so that these keyframes have, in the mean, not moved. For a state with the same keyframes.
   void restore(WindowState& state) const;
