@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kCalibrationKeyframes = 4;  // least number in a window that tells about the calibration
 
-constexpr int kDeparturesPerReturn = 32;  // of keyframes, until the memory they leave is given back
+constexpr int kDeparturesPerReturn = 8;  // of keyframes, until the memory they leave is given back
 
 constexpr std::size_t kPointsPerSearch = 64;  // in one piece of parallel work
 

@@ -22,14 +22,6 @@ std::optional<RollingProjection> see(const PinholeCamera& camera, const Eigen::V
   return RollingProjection{camera.project(point), point.z()};
 }
 
-/// The host saw the point when its own row was read.
-std::optional<RollingProjection> seeRolling(const PinholeCamera& camera, const Vector6& velocity,
-                                            const SE3& T_camera_host, const Vector6& host_velocity,
-                                            const Eigen::Vector2d& host_pixel, const Eigen::Vector3d& in_host) {
-  const RigidMotion to_row = shortMotion(host_velocity, camera.rowDelay(host_pixel.y()));
-  return projectRolling(camera, velocity, T_camera_host * (to_row.R * in_host + to_row.p));
-}
-
 }  // namespace
 
 SpacingGrid::SpacingGrid(const PinholeCamera& camera, double distance_px)
@@ -61,17 +53,23 @@ bool isReadyToActivate(const ImmaturePoint& point) {
 
 std::vector<ReferencePoint> projectPoints(const Window& window, const PinholeCamera& camera, const SE3& T_map_camera,
                                           const Vector6& velocity) {
-  std::map<KeyframeId, SE3> T_camera_host;
+  struct Host {
+    SE3 T_camera_host;
+    MovingPose at_row;  // the host saw the point when its own row was read
+  };
+  std::map<KeyframeId, Host> hosts;
   for (const KeyframeId id : window.keyframes()) {
-    T_camera_host[id] = T_map_camera.inverse() * window.T_map_keyframe(id);
+    const SE3 T = T_map_camera.inverse() * window.T_map_keyframe(id);
+    hosts[id] = {T, MovingPose(RigidMotion(T), window.velocity(id))};
   }
   const bool rolling = camera.row_time != 0.0;
   std::vector<ReferencePoint> projected;
   for (const WindowPoint& point : window.points()) {
     const Eigen::Vector3d in_host = camera.unproject(point.pixel) / point.inverse_depth;
-    const SE3& T = T_camera_host.at(point.host);
-    const auto seen = rolling ? seeRolling(camera, velocity, T, window.velocity(point.host), point.pixel, in_host)
-                              : see(camera, T * in_host);
+    const Host& host = hosts.at(point.host);
+    const auto seen = rolling
+                          ? projectRolling(camera, velocity, host.at_row.at(camera.rowDelay(point.pixel.y())) * in_host)
+                          : see(camera, host.T_camera_host * in_host);
     if (!seen || !camera.contains(seen->pixel, kBorder)) continue;
     const Eigen::Vector2d& pixel = seen->pixel;
     const double inverse_depth = 1.0 / seen->depth;

@@ -31,26 +31,26 @@ void DepthSearcher::searchRolling(ImmaturePoint& point) const {
 
 std::optional<double> DepthSearcher::expectedRow(const ImmaturePoint& point) const {
   const double inverse_depth = std::max(point.hasDepth() ? point.inverseDepth() : 0.0, kFarAway);
-  const RigidMotion to_row = shortMotion(host_velocity_, host_->camera.rowDelay(point.pixel.y()));
   const Eigen::Vector3d ray = host_->camera.unproject(point.pixel.cast<double>());
-  const Eigen::Vector3d in_host = to_row * Eigen::Vector3d(ray / inverse_depth);
-  const auto seen = projectRolling(frame_->camera, T_host_.velocity, T_frame_host_ * in_host);
+  const RigidMotion T_frame_host_row = T_frame_host_row_.at(host_->camera.rowDelay(point.pixel.y()));
+  const auto seen =
+      projectRolling(frame_->camera, T_host_.velocity, T_frame_host_row * Eigen::Vector3d(ray / inverse_depth));
   if (!seen) return std::nullopt;
   return std::clamp(seen->pixel.y(), 0.0, static_cast<double>(frame_->camera.height - 1));
 }
 
 void DepthSearcher::searchInRow(double frame_row, ImmaturePoint& point) const {
   const double delay = frame_->camera.rowDelay(frame_row);
-  const double host_delay = host_->camera.rowDelay(point.pixel.y());
-  const RigidMotion T_host_row_frame = shortMotion(host_velocity_, -host_delay) * T_frame_host_.inverse();
-  const auto poseAt = [&](double t) { return T_host_row_frame * shortMotion(T_host_.motionUntil(delay + t)); };
-  const RigidMotion mid = poseAt(0.0);
-  const EpipolarLine line(HostToFrame(host_->camera, frame_->camera, mid.inverse()), point.pixel.cast<double>());
+  const RigidMotion T_frame_host_row = T_frame_host_row_.at(host_->camera.rowDelay(point.pixel.y()));
+  const RigidMotion T_row_host_row = shortMotion(-T_host_.motionUntil(delay)) * T_frame_host_row;
+  const EpipolarLine line(HostToFrame(host_->camera, frame_->camera, T_row_host_row), point.pixel.cast<double>());
   Range range{};
   // Most points need no search any more, and then no patches.
   if (!chooseRange(line, point, range)) return;
+  const RigidMotion T_host_row_frame = T_frame_host_row.inverse();
+  const auto poseAt = [&](double t) { return T_host_row_frame * shortMotion(T_host_.motionUntil(delay + t)); };
   const double half = 0.5 * T_host_.exposure;
-  const ExposedPoses poses(poseAt(-half), mid, poseAt(half), T_host_.xi().squaredNorm() > 0.0);
+  const ExposedPoses poses(poseAt(-half), poseAt(0.0), poseAt(half), T_host_.xi().squaredNorm() > 0.0);
   const SearchPatchMaker patches(*host_, frame_->camera, poses, gain_, offset_, config_.min_blur_px);
   searchRange({line, patches}, range, point);
 }

@@ -112,8 +112,8 @@ class DepthSearcher {
   const ImageLevel* frame_;
   DepthSearchConfig config_;
   ExposureTrajectory T_host_;
-  Vector6 host_velocity_;
   RigidMotion T_frame_host_;
+  MovingPose T_frame_host_row_;  // for points of other than the host's middle row
   double gain_;
   double offset_;
   HostToFrame transform_;
