@@ -31,12 +31,13 @@ class SlidingRun {
     for (KeyframeId id = 0; id < kKeyframes; ++id) {
       addKeyframe(id);
       if (id < 2) continue;
-      window_.optimize(10);
+      optimize(10);
       activatePoints(id - 1);
-      window_.optimize(6);
+      optimize(6);
       for (const KeyframeId old : window_.keyframesToMarginalize()) {
         poses_[old] = window_.T_map_keyframe(old);
         window_.marginalize(old);
+        marginalized_ = true;
       }
       largest_window_ = std::max(largest_window_, window_.keyframes().size());
     }
@@ -45,8 +46,24 @@ class SlidingRun {
   }
 
   std::size_t largestWindow() const { return largest_window_; }
+  /// That an optimisation moved all but the newest keyframe by in the mean, once one had been marginalised [m].
+  double largestShift() const { return largest_shift_; }
 
  private:
+  Eigen::Vector3d centreOfOldKeyframes() const {
+    std::vector<KeyframeId> ids = window_.keyframes();
+    ids.pop_back();
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const KeyframeId id : ids) sum += window_.T_map_keyframe(id).translation();
+    return sum / static_cast<double>(ids.size());
+  }
+
+  void optimize(int iterations) {
+    const Eigen::Vector3d before = centreOfOldKeyframes();
+    window_.optimize(iterations);
+    if (marginalized_) largest_shift_ = std::max(largest_shift_, (centreOfOldKeyframes() - before).norm());
+  }
+
   void addKeyframe(KeyframeId id) {
     truth_.push_back(poseAt(id));
     SE3 guess = truth_.back();
@@ -84,6 +101,8 @@ class SlidingRun {
   std::vector<SE3> truth_;
   std::vector<SE3> poses_;
   std::size_t largest_window_ = 0;
+  bool marginalized_ = false;
+  double largest_shift_ = 0.0;
   int activated_ = 0;
 };
 
@@ -98,6 +117,12 @@ TEST(WindowSequence, MarginalizationKeepsEstimatesConsistent) {
     EXPECT_LT(*std::max_element(errors.begin(), errors.end()), 4e-3) << "window of " << size;
     EXPECT_LE(run.largestWindow(), static_cast<std::size_t>(size));
   }
+}
+
+TEST(WindowSequence, OptimisationsLeaveTheWindowWhereItIs) {
+  SlidingRun run{WindowConfig()};
+  run.run();
+  EXPECT_LT(run.largestShift(), 1e-9);
 }
 
 }  // namespace
