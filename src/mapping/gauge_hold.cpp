@@ -67,6 +67,7 @@ void GaugeHold::restore(WindowState& state) const {
     const SE3 moved(rotation * now.rotation(), centre_before + scale * (rotation * (now.translation() - centre)));
     keyframe.delta.head<6>() = (keyframe.T_linear.inverse() * moved).log();
     scaleLength(keyframe.xi, scale);
+    scaleLength(keyframe.expected_xi, scale);
     scaleLength(keyframe.image_xi, scale);
     scaleLength(keyframe.velocity, scale);
   }

@@ -10,11 +10,19 @@ namespace mba_vo {
 TrackedFrameConstPtr KeyframeChoice::add(const TrackedFrameConstPtr& frame, const SE3& T_map_camera,
                                          const Reference& newest) {
   motion_.add(frame->frame->mid_exposure_ns, T_map_camera, measuredVelocity(*frame));
-  if (candidate_) return std::exchange(candidate_, nullptr);
+  if (candidate_) {
+    velocity_ = motion_.velocityOfMiddle();
+    return std::exchange(candidate_, nullptr);
+  }
   ExposureTrajectory in_newest = frame->trajectory;
   in_newest.T_reference_mid = newest.T_map_reference.inverse() * T_map_camera;
   if (policy_.takes(newest, measureFrame(newest, in_newest), frame->brightness)) candidate_ = frame;
   return nullptr;
+}
+
+TrackedFrameConstPtr KeyframeChoice::takeNow() {
+  velocity_ = motion_.velocityOfLast();
+  return std::exchange(candidate_, nullptr);
 }
 
 void KeyframeChoice::revise(const TrackedFrameConstPtr& frame) {

@@ -8,11 +8,6 @@ namespace {
 
 constexpr double kRelativeEpsilon = 1e-5;  // of the window's extent, keeps 1 / d finite
 
-bool seenByNewest(const WindowState& state, const PointState& point) {
-  return std::any_of(point.residuals.begin(), point.residuals.end(),
-                     [&](const PatchResidual& r) { return r.target == state.size() - 1 && state.isGood(r); });
-}
-
 /// The remaining keyframe with the largest distance score.
 std::size_t mostCrowding(const WindowState& state, const std::vector<int>& remaining) {
   const auto position = [&](int i) { return state.keyframe(i).T_map_keyframe().translation(); };
@@ -36,23 +31,29 @@ std::size_t mostCrowding(const WindowState& state, const std::vector<int>& remai
   return best;
 }
 
-}  // namespace
-
-double visibleFraction(const WindowState& state, int keyframe) {
-  const auto visible = std::count_if(state.points.begin(), state.points.end(),
-                                     [&](const PointState& p) { return p.host == keyframe && seenByNewest(state, p); });
-  return static_cast<double>(visible) / std::max(1, state.keyframe(keyframe).points_added);
+/// Good residuals of points of one keyframe (row) in another (column).
+Eigen::MatrixXi countResiduals(const WindowState& state) {
+  Eigen::MatrixXi counts = Eigen::MatrixXi::Zero(state.size(), state.size());
+  for (const PointState& point : state.points) {
+    for (const PatchResidual& residual : point.residuals) {
+      if (state.isGood(residual)) ++counts(point.host, residual.target);
+    }
+  }
+  return counts;
 }
 
+}  // namespace
+
 std::vector<int> keyframesToRetire(const WindowState& state, const KeyframeRetirementOptions& options) {
+  const Eigen::MatrixXi residuals = countResiduals(state);
   std::vector<int> remaining, retired;
-  const int removable = state.size() - std::min(options.min_keyframes, options.max_keyframes - 1);
-  for (int i = 0; i < state.size(); ++i) {
-    const bool retire = i + 2 < state.size() && static_cast<int>(retired.size()) < removable &&
-                        visibleFraction(state, i) < options.min_visible;
-    (retire ? retired : remaining).push_back(i);
-  }
-  while (static_cast<int>(remaining.size()) > options.max_keyframes - 1 && remaining.size() > 2) {
+  for (int i = 0; i < state.size(); ++i) remaining.push_back(i);
+  const auto areTooMany = [&] {
+    const auto count = static_cast<int>(remaining.size());
+    return count >= options.max_keyframes ||
+           (count >= options.min_keyframes && residuals(remaining, remaining).sum() > options.max_residuals);
+  };
+  while (remaining.size() > 2 && areTooMany()) {
     const std::size_t crowding = mostCrowding(state, remaining);
     retired.push_back(remaining[crowding]);
     remaining.erase(remaining.begin() + static_cast<std::ptrdiff_t>(crowding));

@@ -46,4 +46,15 @@ Vector6 KinematicBlur::velocityOfMiddle() const {
   return (1.0 - kOwnWeight) * (mean - second_difference / 6.0) + kOwnWeight * own;
 }
 
+Vector6 KinematicBlur::velocityOfLast() const {
+  if (poses_.empty()) return Vector6::Zero();
+  const Pose& last = poses_.back();
+  if (last.velocity) return *last.velocity;
+  if (poses_.size() < 2) return Vector6::Zero();
+  const Pose& before = poses_[poses_.size() - 2];
+  const double dt = 1e-9 * static_cast<double>(last.ns - before.ns);
+  if (dt > kLongestGap) return Vector6::Zero();
+  return (before.T_map_camera.inverse() * last.T_map_camera).log() / dt;
+}
+
 }  // namespace mba_vo

@@ -15,6 +15,8 @@ namespace {
 
 constexpr int kCalibrationKeyframes = 4;  // least number in a window that tells about the calibration
 
+constexpr double kLongBlur = 15.0;  // [px] with which an error of the motion does harm; it is more likely, too
+
 constexpr int kDeparturesPerReturn = 8;  // of keyframes, until the memory they leave is given back
 
 constexpr std::size_t kPointsPerSearch = 64;  // in one piece of parallel work
@@ -67,7 +69,7 @@ void LocalMap::addKeyframe(const FrameConstPtr& frame, const SE3& T_map_keyframe
   // It has the whole motion in it, until it is replaced by a sharp one.
   if (config_.commute_blur) keyframe.image_xi = keyframe.xi;
   window_.addKeyframe(keyframe);
-  keyframes_[keyframe.id] = {frame, keyframe.original, keyframe.image_xi, {}};
+  keyframes_[keyframe.id] = {frame, keyframe.original, {}};
 }
 
 void LocalMap::searchDepths(const TrackedFrame& tracked) {
@@ -97,7 +99,6 @@ bool LocalMap::explainsAsWell(KeyframeId keyframe, const std::shared_ptr<const I
 void LocalMap::replaceImage(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp) {
   HostKeyframe& host = keyframes_.at(keyframe);
   host.image = sharp;
-  host.image_xi.setZero();
   for (ImmaturePoint& point : host.immature) point.energy_threshold = 0.0;  // to be computed from the new image
   window_.replaceImage(keyframe, sharp);
 }
@@ -108,6 +109,7 @@ KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const Vecto
   addKeyframe(tracked.frame, T_map_camera(tracked), velocity, tracked.brightness);
   window_.addResidualsTo(newestKeyframe());
   const Clock::time_point stage = Clock::now();
+  alignBlurred(tracked.measures.blur_length_px);
   activatePoints();
   report.activation_ms = millisecondsSince(stage);
 
@@ -122,6 +124,7 @@ KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const Vecto
 void LocalMap::refineWindow(KeyframeReport& report) {
   const Clock::time_point begin = Clock::now();
   updateSlopes();
+  alignBlurred(report.blur_length_px);
   Clock::time_point stage = Clock::now();
   const WindowSummary summary = window_.optimize(config_.window.max_iterations);
   report.depths = summary.depths;
@@ -160,6 +163,11 @@ void LocalMap::activatePoints() {
     --host;
     activator.activateGuessed(host->first, host->second.immature);
   }
+}
+
+/// The newest keyframe, with the points that there are now.
+void LocalMap::alignBlurred(double blur_length_px) {
+  if (config_.window.reblur_targets && blur_length_px >= kLongBlur) window_.alignNewest();
 }
 
 void LocalMap::updateSlopes() {
@@ -212,7 +220,7 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe, const st
   reference->exposure = keyframes_.at(keyframe).frame->exposure;
   reference->T_map_reference = window_.T_map_keyframe(keyframe);
   reference->pyramid = keyframes_.at(keyframe).image;
-  reference->image_xi = keyframes_.at(keyframe).image_xi;
+  reference->image_xi = window_.imageMotion(keyframe);
   reference->brightness = window_.brightness(keyframe);
   reference->velocity = window_.velocity(keyframe);
   reference->correction = calibration_.correction();

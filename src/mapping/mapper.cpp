@@ -158,7 +158,11 @@ class Mapper::Impl {
     takeSharpKeyframe(output);
     output.keyframe = integrate(frame);
     deblurring_.beginNext(*map_, frame->frame->mid_exposure_ns);
-    if (!output.keyframe) return output;
+    return output.keyframe ? withKeyframe(std::move(output)) : output;
+  }
+
+  /// After a keyframe has been inserted.
+  MapperOutput withKeyframe(MapperOutput output) {
     output.reference = reference_;
     if (!health_.isYoung()) initial_frames_.clear();
     return health_.isWrong() ? giveUp(std::move(output)) : output;
@@ -181,6 +185,10 @@ class Mapper::Impl {
     last_keyframe_ = frame->reference.keyframe_id;
     const TrackedFrameConstPtr chosen = choice_.add(frame, map_->T_map_camera(*frame), *reference_);
     if (!chosen) return std::nullopt;
+    return insertKeyframe(chosen);
+  }
+
+  KeyframeReport insertKeyframe(const TrackedFrameConstPtr& chosen) {
     KeyframeReport report = map_->insertKeyframe(*chosen, choice_.velocity());
     if (on_draft_) on_draft_(map_->makeReference(map_->newestKeyframe(), health_.doubt()));
     map_->refineWindow(report);
@@ -205,6 +213,11 @@ class Mapper::Impl {
   }
 
   MapperOutput handleLost(const TrackedFrame& frame) {
+    if (const TrackedFrameConstPtr chosen = choice_.takeNow()) {
+      MapperOutput output;
+      output.keyframe = insertKeyframe(chosen);
+      return withKeyframe(std::move(output));
+    }
     const auto found = recovery_.lose(frame, health_.usualFrameError());
     if (found) return goOnFrom(*found);
     if (!recovery_.isLostForGood()) return {};

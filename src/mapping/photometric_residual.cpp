@@ -157,8 +157,13 @@ float projectionDrift(const PatchPath& path, const Eigen::Vector2d& host_pixel) 
 
 bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
                   const ResidualOptions& options, PatchComparison& comparison) {
-  const int samples = pair.blurred ? sampleCount(path.length(), options.sample_spacing_px, options.max_samples) : 1;
   ReblurredPatch reblurred;
+  return comparePatch(pair, path, residual, options, comparison, reblurred);
+}
+
+bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
+                  const ResidualOptions& options, PatchComparison& comparison, ReblurredPatch& reblurred) {
+  const int samples = pair.blurred ? sampleCount(path.length(), options.sample_spacing_px, options.max_samples) : 1;
   reblurPatch(*pair.host_image, path, pattern(), samples, reblurred);
   comparePixels(pair, residual, reblurred, comparison);
   comparison.misfit = weighPixels(comparison.r, residual.weight, options.huber_threshold, comparison.weight);

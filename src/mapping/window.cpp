@@ -9,6 +9,7 @@
 #include "mba_vo/mapping/gauge_hold.h"
 #include "mba_vo/mapping/host_error.h"
 #include "mba_vo/mapping/keyframe_retirement.h"
+#include "mba_vo/mapping/motion_alignment.h"
 #include "mba_vo/mapping/window_marginalizer.h"
 #include "mba_vo/mapping/window_optimizer.h"
 #include "mba_vo/mapping/window_point_activation.h"
@@ -94,7 +95,7 @@ void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
   added.original = keyframe.original;
   added.image_xi = keyframe.image_xi;
   added.velocity = keyframe.velocity;
-  added.xi = keyframe.xi;
+  added.xi = added.expected_xi = keyframe.xi;
   added.correction = keyframe.correction;
   added.lacking.values = correction_.values - keyframe.correction.values;
   added.T_linear = keyframe.T_map_keyframe;
@@ -126,7 +127,6 @@ void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
 
 PointId Window::Impl::insert(PointState point) {
   point.id = next_point_++;
-  ++state_.keyframe(point.host).points_added;
   state_.points.push_back(std::move(point));
   return state_.points.back().id;
 }
@@ -141,8 +141,7 @@ void Window::Impl::addResidual(PointState& point, int target) const {
 }
 
 std::vector<KeyframeId> Window::Impl::keyframesToMarginalize() const {
-  KeyframeRetirementOptions options;
-  options.max_keyframes = config_.max_keyframes;
+  const KeyframeRetirementOptions options{config_.max_keyframes, config_.min_keyframes, config_.max_residuals};
   std::vector<KeyframeId> ids;
   for (const int i : keyframesToRetire(state_, options)) ids.push_back(state_.keyframe(i).id);
   return ids;
@@ -232,6 +231,11 @@ void Window::addResidualsTo(KeyframeId target) {
   for (PointState& point : impl_->state_.points) impl_->addResidual(point, index);
 }
 
+bool Window::alignNewest() {
+  impl_->pairs_.clear();
+  return mba_vo::alignNewest(impl_->state_, impl_->residual_options_);
+}
+
 WindowSummary Window::optimize(int max_iterations) {
   if (!impl_->anchor_chosen_ && impl_->state_.size() > 1 && !impl_->state_.hasMeasuredDepths()) {
     impl_->anchor_.choose(impl_->state_);
@@ -270,6 +274,8 @@ SE3 Window::T_map_keyframe(KeyframeId id) const {
 
 Vector6 Window::velocity(KeyframeId id) const { return impl_->state_.keyframe(impl_->state_.indexOf(id)).velocity; }
 
+Vector6 Window::imageMotion(KeyframeId id) const { return impl_->state_.keyframe(impl_->state_.indexOf(id)).image_xi; }
+
 AffineBrightness Window::brightness(KeyframeId id) const {
   return impl_->state_.keyframe(impl_->state_.indexOf(id)).brightness();
 }
@@ -289,9 +295,5 @@ void Window::setSlopes(const std::function<Eigen::Vector2d(const WindowPoint&)>&
 }
 
 int Window::pointCount() const { return static_cast<int>(impl_->state_.points.size()); }
-
-double Window::visibleFraction(KeyframeId id) const {
-  return mba_vo::visibleFraction(impl_->state_, impl_->state_.indexOf(id));
-}
 
 }  // namespace mba_vo

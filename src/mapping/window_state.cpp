@@ -8,6 +8,12 @@
 
 namespace mba_vo {
 
+void KeyframeState::setMotion(const Vector6& motion) {
+  if (const double seconds = exposure(); seconds > 0.0) velocity = motion / seconds;
+  if (!image_xi.isZero(0.0)) image_xi = motion;
+  xi = motion;
+}
+
 int WindowState::indexOf(KeyframeId id) const {
   for (int i = 0; i < size(); ++i) {
     if (keyframe(i).id == id) return i;

@@ -18,8 +18,11 @@ class KeyframeChoice {
   /// The next frame. `newest`: the newest keyframe; the tracker may still be using an older one. Returns the frame
   /// before it if that is to become a keyframe, else null.
   TrackedFrameConstPtr add(const TrackedFrameConstPtr& frame, const SE3& T_map_camera, const Reference& newest);
-  /// Of the last but one frame, which may be the one that `add` returned [m/s, rad/s, body frame].
-  Vector6 velocity() const { return motion_.velocityOfMiddle(); }
+  /// The camera is lost: the frame that waits for the one after it waits no longer, for on fast turns what it has seen
+  /// is all there is to go on with. Null if none waits.
+  TrackedFrameConstPtr takeNow();
+  /// Of the frame that `add` or `takeNow` returned [m/s, rad/s, body frame].
+  Vector6 velocity() const { return velocity_; }
   /// A frame was tracked again.
   void revise(const TrackedFrameConstPtr& frame);
   /// Begins anew, with the camera at this pose.
@@ -29,6 +32,7 @@ class KeyframeChoice {
  private:
   KeyframePolicy policy_;
   KinematicBlur motion_;
+  Vector6 velocity_ = Vector6::Zero();
   TrackedFrameConstPtr candidate_;  // becomes a keyframe with the next frame
 };
 

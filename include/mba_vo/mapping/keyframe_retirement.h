@@ -7,16 +7,14 @@
 namespace mba_vo {
 
 struct KeyframeRetirementOptions {
-  int max_keyframes = 7;      // at most one less remain
-  int min_keyframes = 5;      // visibility alone never leaves fewer than these
-  double min_visible = 0.05;  // of a keyframe's points in the newest keyframe
+  int max_keyframes = 13;    // at most one less remain
+  int min_keyframes = 7;     // down to one less, keyframes leave for their residuals
+  int max_residuals = 5000;  // good ones among those that remain
 };
 
-/// Share of the points ever hosted by `keyframe` that the newest keyframe still sees.
-double visibleFraction(const WindowState& state, int keyframe);
-
-/// Which keyframes should leave now (DSO, Sec. 3.1): those of whose points the newest keyframe sees almost none, then
-/// those that crowd the rest, s_i = sqrt(d(i, newest)) sum_j 1 / d(i, j). The two newest always stay.
+/// Which keyframes should leave now: those that crowd the rest, s_i = sqrt(d(i, newest)) sum_j 1 / d(i, j) (DSO, Sec.
+/// 3.1). The two newest always stay. Where points are few, as on fast turns, the window has more keyframes for the same
+/// work; and those of which the newest sees nothing may stay, unlike DSO's: the camera often turns back.
 std::vector<int> keyframesToRetire(const WindowState& state, const KeyframeRetirementOptions& options);
 
 }  // namespace mba_vo

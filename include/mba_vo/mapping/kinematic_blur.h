@@ -26,6 +26,8 @@ class KinematicBlur {
   /// Of the last but one frame [m/s, rad/s, body frame]. Zero if fewer than two poses are known, or those on both sides
   /// are too far away in time.
   Vector6 velocityOfMiddle() const;
+  /// Of the last frame, while none after it is known: as measured, else as between it and the one before.
+  Vector6 velocityOfLast() const;
 
  private:
   struct Pose {

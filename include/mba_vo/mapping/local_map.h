@@ -74,7 +74,6 @@ class LocalMap {
   struct HostKeyframe {
     FrameConstPtr frame;
     std::shared_ptr<const ImagePyramid> image;  // the frame's own, or a sharp one
-    Vector6 image_xi;                           // motion blur in it
     std::vector<ImmaturePoint> immature;
   };
 
@@ -82,6 +81,7 @@ class LocalMap {
                    const AffineBrightness& brightness);
   const PinholeCamera& cameraOf(KeyframeId keyframe) const { return keyframes_.at(keyframe).image->level(0).camera; }
   void activatePoints();
+  void alignBlurred(double blur_length_px);
   void updateSlopes();
   void selectImmaturePoints(HostKeyframe& host) const;
   void marginalizeKeyframes();

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "mba_vo/blur/reblur.h"
 #include "mba_vo/mapping/pair_geometry.h"
 
 namespace mba_vo {
@@ -37,6 +38,10 @@ struct PatchComparison {
 /// False if the path leaves the host.
 bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
                   const ResidualOptions& options, PatchComparison& comparison);
+
+/// The same; `reblurred`: the host's patch, for what is not kept of it.
+bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
+                  const ResidualOptions& options, PatchComparison& comparison, ReblurredPatch& reblurred);
 
 /// Weights and energy for the pair's Huber threshold and precision, all else as it is.
 void weighComparison(const PairGeometry& pair, const PatchResidual& residual, const ResidualOptions& options,

@@ -18,7 +18,9 @@ struct CalibrationSystem;
 
 /// Options of the windowed photometric bundle adjustment.
 struct WindowConfig {
-  int max_keyframes = 7;
+  int max_keyframes = 13;
+  int min_keyframes = 7;
+  int max_residuals = 5000;
   int max_points = 1600;
   int max_iterations = 4;
   double huber_threshold = 9.0;
@@ -31,7 +33,9 @@ struct WindowConfig {
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
-    v("max_keyframes", c.max_keyframes, 3, 20, "keyframes in the window");
+    v("max_keyframes", c.max_keyframes, 3, 30, "keyframes in the window, at most");
+    v("min_keyframes", c.min_keyframes, 3, 30, "keyframes in the window, however many residuals there are");
+    v("max_residuals", c.max_residuals, 0, 1000000, "residuals in a window of more than min_keyframes");
     v("max_points", c.max_points, 100, 20000, "active points in the window");
     v("max_iterations", c.max_iterations, 1, 50, "iterations of the bundle adjustment per keyframe");
     v("huber_threshold", c.huber_threshold, 0.1, 255.0, "largest Huber threshold of the residual [grey levels]");
@@ -113,6 +117,10 @@ class Window {
   /// Adds the residuals of all existing points into a keyframe just added.
   void addResidualsTo(KeyframeId target);
 
+  /// Estimates the newest keyframe, which hosts no points yet, by the points it sees: its pose and brightness and the
+  /// motion within its exposure, which `optimize` does not change. Returns whether anything has changed.
+  bool alignNewest();
+
   /// Levenberg-Marquardt on all states; re-classifies residuals as inliers and outliers; drops points left without any.
   WindowSummary optimize(int max_iterations);
 
@@ -122,8 +130,7 @@ class Window {
   /// What the residuals say about errors that are left.
   CalibrationSystem calibrationSystem();
 
-  /// Keyframes to marginalise now so that the window keeps its size (at most max_keyframes - 1 remain before a new
-  /// one).
+  /// Keyframes to marginalise now so that the window has room for a new one, see keyframesToRetire.
   std::vector<KeyframeId> keyframesToMarginalize() const;
   /// Moves points that neither of the two newest keyframes sees any more into the prior, if they are well enough
   /// observed, else drops them. `marginalize` does this too.
@@ -134,11 +141,11 @@ class Window {
   std::vector<KeyframeId> keyframes() const;  // by age, oldest first
   SE3 T_map_keyframe(KeyframeId id) const;
   Vector6 velocity(KeyframeId id) const;
+  /// The motion blur left in the image that the keyframe has as a host, 0 = none [m, rad].
+  Vector6 imageMotion(KeyframeId id) const;
   AffineBrightness brightness(KeyframeId id) const;
   std::vector<WindowPoint> points() const;
   int pointCount() const;
-  /// Share of the points ever hosted by the keyframe that the newest keyframe still sees.
-  double visibleFraction(KeyframeId id) const;
 
  private:
   class Impl;

@@ -25,7 +25,8 @@ struct KeyframeState {
   std::shared_ptr<const ImagePyramid> sharp;
   std::shared_ptr<const ImagePyramid> original;
   Vector6 xi = Vector6::Zero();
-  Vector6 image_xi = Vector6::Zero();  // motion blur left in `sharp`, 0 = none [m, rad]
+  Vector6 expected_xi = Vector6::Zero();  // by the motion before and after
+  Vector6 image_xi = Vector6::Zero();     // motion blur left in `sharp`, 0 = none [m, rad]
   Vector6 velocity = Vector6::Zero();  // while the rows of a rolling shutter are read [m/s, rad/s]
   CalibrationCorrection correction;    // of the calibration, that the images were made with
   CalibrationCorrection lacking;       // what is to be added to it, as is known now
@@ -35,8 +36,10 @@ struct KeyframeState {
   double outlier_energy = 0.0;  // a residual into this keyframe with more energy than this is an outlier [spread^2]
   float huber_threshold = std::numeric_limits<float>::infinity();  // of residuals into it, if below the options'
   float precision = 1.0F;  // of residuals into it: one over their squared spread [1 / grey level^2]
-  int points_added = 0;    // ever hosted by this keyframe
 
+  double exposure() const { return velocity.isZero(0.0) ? 0.0 : xi.norm() / velocity.norm(); }  // [s]
+  /// Sets xi, and what is known by it.
+  void setMotion(const Vector6& motion);
   SE3 T_map_keyframe() const { return T_linear * SE3::exp(delta.head<6>()); }
   AffineBrightness brightness() const { return {brightness_linear.a + delta(6), brightness_linear.b + delta(7)}; }
 };
