@@ -102,9 +102,9 @@ void addPair(const PairSystem& pair, const Matrix8& J_host, int host, int target
 }
 
 /// All residuals of the evaluation, at the current state.
-LinearizedWindow assemble(const WindowState& state, const WindowEvaluation& evaluation,
-                          const std::vector<PairGeometry>& pairs) {
+LinearizedWindow assemble(const WindowState& state, const WindowEvaluation& evaluation) {
   const int n = state.size();
+  const std::vector<PairGeometry>& pairs = evaluation.pairs;
   LinearizedWindow out;
   out.setZero(kKeyframeDim * n + kBlock, static_cast<int>(evaluation.points.size()));
   std::vector<PairSystem> sums(pairs.size());
@@ -133,7 +133,7 @@ LinearizedWindow assemble(const WindowState& state, const WindowEvaluation& eval
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const int host = static_cast<int>(i) / n;
     const int target = static_cast<int>(i) % n;
-    if (host != target) addPair(sums[i], currentHostJacobian(pairs[i]), host, target, out);
+    if (pairs[i].path) addPair(sums[i], currentHostJacobian(pairs[i]), host, target, out);
   }
   return out;
 }
@@ -173,13 +173,12 @@ std::array<Matrix2C, 2> calibrationJacobian(const PairGeometry& pair, const Patc
   return J;
 }
 
-CalibrationSystem linearizeCalibration(WindowState& state, const WindowLinearizer& linearizer, bool reblur_targets,
-                                       int stride) {
+CalibrationSystem linearizeCalibration(WindowState& state, const WindowLinearizer& linearizer, int stride) {
   std::vector<int> chosen;
   for (int i = 0; i < static_cast<int>(state.points.size()); i += stride) chosen.push_back(i);
   WindowEvaluation evaluation;
   linearizer.evaluate(state, chosen, evaluation);
-  const LinearizedWindow system = assemble(state, evaluation, makePairGeometries(state, reblur_targets));
+  const LinearizedWindow system = assemble(state, evaluation);
   ReducedSystem reduced;
   SchurComplement().reduce(system, 0.0, reduced);
   return eliminateKeyframes(reduced);

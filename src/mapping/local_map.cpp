@@ -17,6 +17,8 @@ constexpr int kCalibrationKeyframes = 4;  // least number in a window that tells
 
 constexpr double kLongBlur = 15.0;  // [px] with which an error of the motion does harm; it is more likely, too
 
+constexpr std::uint64_t kSlopeStride = 2;  // a point's slope is updated with every so many keyframes
+
 constexpr int kDeparturesPerReturn = 8;  // of keyframes, until the memory they leave is given back
 
 constexpr std::size_t kPointsPerSearch = 64;  // in one piece of parallel work
@@ -93,7 +95,7 @@ void LocalMap::searchDepths(const TrackedFrame& tracked) {
 }
 
 bool LocalMap::explainsAsWell(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp) const {
-  return window_.explainsAsWell(keyframe, sharp, pointsSeenBy(window_, cameraOf(keyframe), keyframe));
+  return window_.explainsAsWell(keyframe, sharp, pointsSeenBy(window_, window_.points(), cameraOf(keyframe), keyframe));
 }
 
 void LocalMap::replaceImage(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp) {
@@ -170,12 +172,17 @@ void LocalMap::alignBlurred(double blur_length_px) {
   if (config_.window.reblur_targets && blur_length_px >= kLongBlur) window_.alignNewest();
 }
 
+/// Every point has a slope from its activation on, which changes but slowly: one after the other is enough.
 void LocalMap::updateSlopes() {
-  std::map<KeyframeId, SurfaceSlopes> slopes;
-  for (const KeyframeId id : window_.keyframes()) {
-    slopes.emplace(id, SurfaceSlopes(cameraOf(id), pointsSeenBy(window_, cameraOf(id), id)));
+  const std::vector<WindowPoint> points = window_.points();
+  std::map<KeyframeId, SurfaceSlopes> slopes;  // of the keyframes that have points
+  for (const WindowPoint& point : points) {
+    if (slopes.count(point.host) > 0) continue;
+    const PinholeCamera& camera = cameraOf(point.host);
+    slopes.emplace(point.host, SurfaceSlopes(camera, pointsSeenBy(window_, points, camera, point.host)));
   }
-  window_.setSlopes([&slopes](const WindowPoint& point) {
+  window_.setSlopes(points, [&](const WindowPoint& point) -> std::optional<Eigen::Vector2d> {
+    if ((point.id + newestKeyframe()) % kSlopeStride != 0) return std::nullopt;
     return slopes.at(point.host).at(point.pixel, point.inverse_depth, kResidualVariance * point.variance);
   });
 }
@@ -224,7 +231,7 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe, const st
   reference->brightness = window_.brightness(keyframe);
   reference->velocity = window_.velocity(keyframe);
   reference->correction = calibration_.correction();
-  reference->points = pointsSeenBy(window_, cameraOf(keyframe), keyframe);
+  reference->points = pointsSeenBy(window_, window_.points(), cameraOf(keyframe), keyframe);
   for (const KeyframeId id : window_.keyframes()) reference->T_map_keyframe[id] = window_.T_map_keyframe(id);
   return reference;
 }

@@ -73,14 +73,28 @@ MotionAlignment::MotionAlignment(const WindowState& state, int target, const Res
     }
   }
   if (!inverse_depths.empty()) median_inverse_depth_ = medianOf(std::move(inverse_depths));
+  choosePatches();
+}
+
+void MotionAlignment::choosePatches() {
+  if (patches_.size() > kMostPatches) {
+    std::vector<Patch> some;
+    for (std::size_t i = 0; i < kMostPatches; ++i) some.push_back(patches_[i * patches_.size() / kMostPatches]);
+    patches_ = std::move(some);
+  }
   refresh(initial());
-  patches_.erase(
-      std::remove_if(patches_.begin(), patches_.end(), [](const Patch& p) { return !p.residual.has_pixels; }),
-      patches_.end());
-  if (patches_.size() <= kMostPatches) return;
-  std::vector<Patch> some;
-  for (std::size_t i = 0; i < kMostPatches; ++i) some.push_back(patches_[i * patches_.size() / kMostPatches]);
-  patches_ = std::move(some);
+  const std::vector<PairGeometry> pairs = pairsWith(state_.keyframe(target_));
+  const auto limit = static_cast<float>(state_.keyframe(target_).outlier_energy);
+  PatchPath path;
+  PatchComparison comparison;
+  const auto cannotBeSeen = [&](Patch& patch) {
+    const PairGeometry& pair = pairs[static_cast<std::size_t>(patch.point->host)];
+    if (!patch.residual.has_pixels || !makePath(pair, patch.residual.centre, *patch.point, path)) return true;
+    if (!comparePatch(pair, path, patch.residual, options_, comparison)) return true;
+    patch.residual.energy = std::min(comparison.energy, limit);
+    return false;
+  };
+  patches_.erase(std::remove_if(patches_.begin(), patches_.end(), cannotBeSeen), patches_.end());
 }
 
 bool MotionAlignment::isStarving() const { return patches_.size() < kLeastPatches; }
@@ -100,9 +114,10 @@ KeyframeState MotionAlignment::with(const KeyframeMotion& motion) const {
 }
 
 std::vector<PairGeometry> MotionAlignment::pairsWith(const KeyframeState& target) const {
-  std::vector<PairGeometry> pairs;
-  for (int host = 0; host < state_.size(); ++host) {
-    pairs.push_back(host == target_ ? PairGeometry() : makePairGeometry(state_.keyframe(host), target, true));
+  std::vector<PairGeometry> pairs(state_.keyframes.size());
+  for (const Patch& patch : patches_) {
+    PairGeometry& pair = pairs[static_cast<std::size_t>(patch.point->host)];
+    if (!pair.path) pair = makePairGeometry(state_.keyframe(patch.point->host), target, true);
   }
   return pairs;
 }
@@ -129,13 +144,12 @@ void MotionAlignment::addPatch(const Patch& patch, const PairGeometry& pair, con
   PatchPath path;
   PatchComparison comparison;
   ReblurredPatch reblurred;
-  const bool seen = patch.residual.has_pixels && makeCurrentJacobianPath(pair, patch.residual.centre, *patch.point, path);
-  if (!seen || !comparePatch(pair, path, patch.residual, options_, comparison, reblurred) ||
-      comparison.energy > limit) {
-    equations.cost += 0.5 * limit;  // leaving an image never pays
-    return;
-  }
-  equations.cost += 0.5 * static_cast<double>(comparison.energy);
+  const bool seen = patch.residual.has_pixels &&
+                    makeCurrentJacobianPath(pair, patch.residual.centre, *patch.point, path) &&
+                    comparePatch(pair, path, patch.residual, options_, comparison, reblurred);
+  const double energy = static_cast<double>(seen ? comparison.energy : patch.residual.energy);  // leaving never pays
+  equations.cost += 0.5 * std::min(energy, limit);
+  if (!seen || energy > limit) return;
   const Products S = productSums(comparison, reblurred, pair.gain);
   const double exposure = target.exposure();
   const double delay = pair.target_camera.rowDelay(static_cast<double>(patch.residual.centre.y()));

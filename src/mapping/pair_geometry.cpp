@@ -115,17 +115,37 @@ PairGeometry makePairGeometry(const KeyframeState& host, const KeyframeState& ta
   return pair;
 }
 
-std::vector<PairGeometry> makePairGeometries(const WindowState& state, bool reblur_targets) {
-  const int n = state.size();
-  std::vector<PairGeometry> pairs(static_cast<std::size_t>(n * n));
-  for (int h = 0; h < n; ++h) {
-    for (int t = 0; t < n; ++t) {
-      if (h == t) continue;
-      pairs[static_cast<std::size_t>(h * n + t)] =
-          makePairGeometry(state.keyframe(h), state.keyframe(t), reblur_targets);
+namespace {
+
+/// `wanted`: by number.
+std::vector<PairGeometry> makeWanted(const WindowState& state, bool reblur_targets, const std::vector<bool>& wanted) {
+  const auto n = static_cast<std::size_t>(state.size());
+  std::vector<PairGeometry> pairs(n * n);
+  for (std::size_t h = 0; h < n; ++h) {
+    for (std::size_t t = 0; t < n; ++t) {
+      if (h == t || !wanted[h * n + t]) continue;
+      pairs[h * n + t] = makePairGeometry(state.keyframes[h], state.keyframes[t], reblur_targets);
     }
   }
   return pairs;
+}
+
+}  // namespace
+
+std::vector<PairGeometry> makePairGeometries(const WindowState& state, bool reblur_targets) {
+  return makeWanted(state, reblur_targets, std::vector<bool>(state.keyframes.size() * state.keyframes.size(), true));
+}
+
+std::vector<PairGeometry> makePairGeometries(const WindowState& state, bool reblur_targets,
+                                             const std::vector<int>& points) {
+  std::vector<bool> wanted(state.keyframes.size() * state.keyframes.size(), false);
+  for (const int i : points) {
+    const PointState& point = state.points[static_cast<std::size_t>(i)];
+    for (const PatchResidual& residual : point.residuals) {
+      wanted[static_cast<std::size_t>(point.host * state.size() + residual.target)] = true;
+    }
+  }
+  return makeWanted(state, reblur_targets, wanted);
 }
 
 }  // namespace mba_vo

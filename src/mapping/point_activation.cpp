@@ -51,7 +51,8 @@ bool isReadyToActivate(const ImmaturePoint& point) {
          point.quality > kMinQuality;
 }
 
-std::vector<ReferencePoint> projectPoints(const Window& window, const PinholeCamera& camera, const SE3& T_map_camera,
+std::vector<ReferencePoint> projectPoints(const Window& window, const std::vector<WindowPoint>& points,
+                                          const PinholeCamera& camera, const SE3& T_map_camera,
                                           const Vector6& velocity) {
   struct Host {
     SE3 T_camera_host;
@@ -64,7 +65,7 @@ std::vector<ReferencePoint> projectPoints(const Window& window, const PinholeCam
   }
   const bool rolling = camera.row_time != 0.0;
   std::vector<ReferencePoint> projected;
-  for (const WindowPoint& point : window.points()) {
+  for (const WindowPoint& point : points) {
     const Eigen::Vector3d in_host = camera.unproject(point.pixel) / point.inverse_depth;
     const Host& host = hosts.at(point.host);
     const auto seen = rolling
@@ -83,8 +84,9 @@ std::vector<ReferencePoint> projectPoints(const Window& window, const PinholeCam
   return projected;
 }
 
-std::vector<ReferencePoint> pointsSeenBy(const Window& window, const PinholeCamera& camera, KeyframeId keyframe) {
-  return projectPoints(window, camera, window.T_map_keyframe(keyframe), window.velocity(keyframe));
+std::vector<ReferencePoint> pointsSeenBy(const Window& window, const std::vector<WindowPoint>& points,
+                                         const PinholeCamera& camera, KeyframeId keyframe) {
+  return projectPoints(window, points, camera, window.T_map_keyframe(keyframe), window.velocity(keyframe));
 }
 
 }  // namespace mba_vo

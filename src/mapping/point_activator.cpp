@@ -18,17 +18,18 @@ void eraseIf(std::vector<ImmaturePoint>& points, const Predicate& isDone) {
 
 PointActivator::PointActivator(Window& window, const PinholeCamera& camera, KeyframeId newest, double distance_px)
     : window_(window),
+      known_(window.points()),
       camera_(camera),
       T_newest_map_(window.T_map_keyframe(newest).inverse()),
       grid_(camera, distance_px) {
-  for (const ReferencePoint& point : pointsSeenBy(window, camera, newest)) {
+  for (const ReferencePoint& point : pointsSeenBy(window, known_, camera, newest)) {
     grid_.occupy(point.pixel.cast<double>());
     ++visible_;
   }
 }
 
 void PointActivator::activateFound(KeyframeId host, std::vector<ImmaturePoint>& immature) {
-  const SurfaceSlopes slopes(camera_, pointsSeenBy(window_, camera_, host));
+  const SurfaceSlopes slopes(camera_, pointsSeenBy(window_, known_, camera_, host));
   const SE3 T_newest_host = T_newest_map_ * window_.T_map_keyframe(host);
   eraseIf(immature, [&](const ImmaturePoint& point) {
     if (point.state == ImmaturePoint::State::kOutlier) return true;
@@ -44,7 +45,7 @@ void PointActivator::activateFound(KeyframeId host, std::vector<ImmaturePoint>& 
 bool PointActivator::isStarving(int wanted_points) const { return visible_ < kStarving * wanted_points; }
 
 void PointActivator::activateGuessed(KeyframeId host, std::vector<ImmaturePoint>& immature) {
-  const std::vector<ReferencePoint> known = pointsSeenBy(window_, camera_, host);
+  const std::vector<ReferencePoint> known = pointsSeenBy(window_, known_, camera_, host);
   const NearbyDepths depths(known);
   if (!depths.known()) return;
   const SurfaceSlopes slopes(camera_, known);

@@ -23,7 +23,7 @@ constexpr double kPoseAnchor = 1e10;        // information of the first pose [1/
 constexpr double kScaleAnchor = 1e10;       // information of the log of the scale
 constexpr double kBrightnessAnchor = 1e10;  // information of the first keyframe's a and b
 
-constexpr int kCalibrationStride = 3;  // of the points that tell about the calibration: a third is more than enough
+constexpr int kCalibrationStride = 4;  // of the points that tell about the calibration: a quarter is more than enough
 
 ResidualOptions residualOptions(const WindowConfig& config) {
   ResidualOptions options;
@@ -255,7 +255,7 @@ void Window::setCorrection(const CalibrationCorrection& correction) {
 }
 
 CalibrationSystem Window::calibrationSystem() {
-  return linearizeCalibration(impl_->state_, impl_->linearizer_, impl_->config_.reblur_targets, kCalibrationStride);
+  return linearizeCalibration(impl_->state_, impl_->linearizer_, kCalibrationStride);
 }
 
 std::vector<KeyframeId> Window::keyframesToMarginalize() const { return impl_->keyframesToMarginalize(); }
@@ -289,9 +289,14 @@ std::vector<WindowPoint> Window::points() const {
   return points;
 }
 
-void Window::setSlopes(const std::function<Eigen::Vector2d(const WindowPoint&)>& slopeOf) {
-  const std::vector<WindowPoint> described = points();
-  for (std::size_t i = 0; i < described.size(); ++i) impl_->state_.points[i].slope = slopeOf(described[i]);
+void Window::setSlopes(const std::vector<WindowPoint>& points,
+                       const std::function<std::optional<Eigen::Vector2d>(const WindowPoint&)>& slopeOf) {
+  auto state = impl_->state_.points.begin();
+  for (const WindowPoint& point : points) {
+    state = std::find_if(state, impl_->state_.points.end(), [&](const PointState& p) { return p.id == point.id; });
+    if (state == impl_->state_.points.end()) return;
+    if (const auto slope = slopeOf(point)) state->slope = *slope;
+  }
 }
 
 int Window::pointCount() const { return static_cast<int>(impl_->state_.points.size()); }

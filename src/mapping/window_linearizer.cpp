@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "mba_vo/image/parallel_for.h"
 #include "mba_vo/solver/residual_spread.h"
@@ -25,6 +26,12 @@ void forEachRow(std::size_t rows, const Body& body) {
 const PairGeometry& pairOf(const std::vector<PairGeometry>& pairs, const WindowState& state, const PointState& point,
                            const PatchResidual& residual) {
   return pairs[static_cast<std::size_t>(point.host * state.size() + residual.target)];
+}
+
+std::vector<int> numbersOf(const std::vector<PointState>& points) {
+  std::vector<int> numbers(points.size());
+  std::iota(numbers.begin(), numbers.end(), 0);
+  return numbers;
 }
 
 bool isGoodTrial(const WindowState& state, const PatchResidual& residual) {
@@ -55,7 +62,7 @@ void WindowLinearizer::evaluateResidual(const PairGeometry& pair, const PointSta
 }
 
 void WindowLinearizer::placePixels(WindowState& state, float max_drift) const {
-  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_);
+  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_, numbersOf(state.points));
   for (PointState& point : state.points) {
     for (PatchResidual& residual : point.residuals) {
       if (residual.has_pixels && residual.drift <= max_drift) continue;
@@ -66,8 +73,8 @@ void WindowLinearizer::placePixels(WindowState& state, float max_drift) const {
 }
 
 void WindowLinearizer::evaluate(WindowState& state, const std::vector<int>& points, WindowEvaluation& out) const {
-  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_);
   out.points = points;
+  out.pairs = makePairGeometries(state, reblur_targets_, points);
   out.first.clear();
   std::size_t residuals = 0;
   for (const int i : points) {
@@ -79,7 +86,7 @@ void WindowLinearizer::evaluate(WindowState& state, const std::vector<int>& poin
     PointState& point = state.points[static_cast<std::size_t>(points[row])];
     std::size_t patch = out.first[row];
     for (PatchResidual& residual : point.residuals) {
-      evaluateResidual(pairOf(pairs, state, point, residual), point, residual, out.patches[patch++]);
+      evaluateResidual(pairOf(out.pairs, state, point, residual), point, residual, out.patches[patch++]);
     }
   });
 }
@@ -107,30 +114,33 @@ void WindowLinearizer::followResiduals(WindowState& state, WindowEvaluation& eva
     state.keyframes[i].huber_threshold = static_cast<float>(huberThreshold(spread, largest));
     state.keyframes[i].precision = static_cast<float>(residualPrecision(spread));
   }
-  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_);
+  for (std::size_t i = 0; i < evaluation.pairs.size(); ++i) {
+    const KeyframeState& target = state.keyframes[i % state.keyframes.size()];
+    evaluation.pairs[i].huber_threshold = target.huber_threshold;
+    evaluation.pairs[i].precision = target.precision;
+  }
   forEach([&](const PointState& point, PatchResidual& residual, PatchComparison& comparison) {
-    weighComparison(pairOf(pairs, state, point, residual), residual, options_, comparison);
+    weighComparison(pairOf(evaluation.pairs, state, point, residual), residual, options_, comparison);
     residual.trial_energy = comparison.energy;
   });
 }
 
 void WindowLinearizer::replacePixels(WindowState& state, float max_drift, WindowEvaluation& evaluation) const {
-  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_);
   for (std::size_t row = 0; row < evaluation.points.size(); ++row) {
     PointState& point = state.points[static_cast<std::size_t>(evaluation.points[row])];
     std::size_t patch = evaluation.first[row];
     for (PatchResidual& residual : point.residuals) {
       PatchComparison& comparison = evaluation.patches[patch++];
       if (residual.has_pixels && residual.drift <= max_drift) continue;
-      const PairGeometry& pair = pairOf(pairs, state, point, residual);
+      const PairGeometry& pair = pairOf(evaluation.pairs, state, point, residual);
       mba_vo::placePixels(pair, point.pixel, point.inverse_depth, options_, residual, point.slope);
       evaluateResidual(pair, point, residual, comparison);
     }
   }
 }
 
-void WindowLinearizer::assemblePoint(const WindowState& state, const std::vector<PairGeometry>& pairs,
-                                     const WindowEvaluation& evaluation, int row, Chunk& chunk, LinearizedWindow& out) {
+void WindowLinearizer::assemblePoint(const WindowState& state, const WindowEvaluation& evaluation, int row,
+                                     Chunk& chunk, LinearizedWindow& out) {
   const auto index = static_cast<std::size_t>(row);
   const PointState& point = state.points[static_cast<std::size_t>(evaluation.points[index])];
   std::size_t patch = evaluation.first[index];
@@ -143,10 +153,10 @@ void WindowLinearizer::assemblePoint(const WindowState& state, const std::vector
   for (const PatchResidual& residual : point.residuals) {
     const PatchComparison& comparison = evaluation.patches[patch++];
     if (!isGoodTrial(state, residual)) continue;
-    const PairGeometry& pair = pairOf(pairs, state, point, residual);
+    const PairGeometry& pair = pairOf(evaluation.pairs, state, point, residual);
     if (!makeJacobianPath(pair, residual.centre, point, path)) continue;
     assembleSystem(comparison, path, pair.blurred, system);
-    PairSums& sums = chunk.pairs[static_cast<std::size_t>(&pair - pairs.data())];
+    PairSums& sums = chunk.pairs[static_cast<std::size_t>(&pair - evaluation.pairs.data())];
     sums.H += system.H;
     sums.b += system.b;
     V.segment<kKeyframeDim>(kKeyframeDim * residual.target) += system.H_state_depth.transpose();
@@ -161,7 +171,6 @@ void WindowLinearizer::assemblePoint(const WindowState& state, const std::vector
 
 void WindowLinearizer::assembleDepths(const WindowState& state, const WindowEvaluation& evaluation,
                                       Eigen::VectorXd& H_depth) const {
-  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_);
   H_depth.setZero(static_cast<Eigen::Index>(evaluation.points.size()));
   forEachRow(evaluation.points.size(), [&](std::size_t /*chunk*/, std::size_t row) {
     const PointState& point = state.points[static_cast<std::size_t>(evaluation.points[row])];
@@ -170,7 +179,7 @@ void WindowLinearizer::assembleDepths(const WindowState& state, const WindowEval
     for (const PatchResidual& residual : point.residuals) {
       const PatchComparison& comparison = evaluation.patches[patch++];
       if (!isGoodTrial(state, residual)) continue;
-      const PairGeometry& pair = pairOf(pairs, state, point, residual);
+      const PairGeometry& pair = pairOf(evaluation.pairs, state, point, residual);
       if (!makeJacobianPath(pair, residual.centre, point, path)) continue;
       H_depth(static_cast<Eigen::Index>(row)) += assembleDepth(comparison, path, pair.blurred).H;
     }
@@ -197,18 +206,18 @@ void addPair(const PairSums& sums, const Matrix8& J_host, int host, int target, 
 void WindowLinearizer::assemble(const WindowState& state, const WindowEvaluation& evaluation,
                                 LinearizedWindow& out) const {
   const int n = state.size();
-  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_);
+  const std::vector<PairGeometry>& pairs = evaluation.pairs;
   out.setZero(kKeyframeDim * n, static_cast<int>(evaluation.points.size()));
   std::vector<Chunk> chunks(kMaxChunks);
   for (Chunk& chunk : chunks) chunk.pairs.resize(pairs.size());
   forEachRow(evaluation.points.size(), [&](std::size_t chunk, std::size_t row) {
-    assemblePoint(state, pairs, evaluation, static_cast<int>(row), chunks[chunk], out);
+    assemblePoint(state, evaluation, static_cast<int>(row), chunks[chunk], out);
   });
 
   for (int h = 0; h < n; ++h) {
     for (int t = 0; t < n; ++t) {
-      if (h == t) continue;
       const auto index = static_cast<std::size_t>(h * n + t);
+      if (!pairs[index].path) continue;  // without residuals
       PairSums total;
       for (const Chunk& chunk : chunks) {
         total.H += chunk.pairs[index].H;

@@ -50,6 +50,21 @@ TEST(KinematicBlur, LeavesOutASideThatIsTooFarAway) {
   EXPECT_LT((kExposure * blur.velocityOfMiddle() - kExposure * v).norm(), 1e-9);
 }
 
+TEST(KinematicBlur, TheLastFrameHasItsOwnVelocityOrThatSinceTheOneBefore) {
+  const Vector6 v = (Vector6() << 0.1, 0.2, 0, 0.5, 0, 0).finished();
+  const Vector6 measured = 1.1 * v;
+  KinematicBlur blur;
+  EXPECT_EQ(blur.velocityOfLast().norm(), 0.0);
+  blur.add(0, SE3(), std::nullopt);
+  EXPECT_EQ(blur.velocityOfLast().norm(), 0.0);
+  blur.add(kInterval, SE3::exp(seconds(kInterval) * v), std::nullopt);
+  EXPECT_LT((blur.velocityOfLast() - v).norm(), 1e-9);
+  blur.add(2 * kInterval, SE3::exp(seconds(2 * kInterval) * v), measured);
+  EXPECT_EQ(blur.velocityOfLast(), measured);
+  blur.add(2'000'000'000, SE3(), std::nullopt);
+  EXPECT_EQ(blur.velocityOfLast().norm(), 0.0) << "too long ago";
+}
+
 TEST(KinematicBlur, IgnoresPosesThatAreNotLater) {
   const Vector6 v = (Vector6() << 0.1, 0.2, 0, 0.5, 0, 0).finished();
   KinematicBlur blur;

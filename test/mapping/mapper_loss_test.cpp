@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "mapping/follower.h"
 #include "mapping/mapper_fixture.h"
 #include "mba_vo/mapping/mapper.h"
 
@@ -76,6 +77,33 @@ TEST(Mapper, BeingLostForLongBeginsANewMapWithANewId) {
   EXPECT_GT(trajectory.size(), before);
   EXPECT_EQ(trajectory.front().map_id, 1U);
   EXPECT_EQ(trajectory.back().map_id, 2U);
+}
+
+// On fast turns the last frame that was tracked has seen what comes next; to wait for the frame after it would lose it.
+TEST(Mapper, AFrameThatIsToBecomeAKeyframeDoesSoAtOnceWhenTheCameraIsLost) {
+  const auto stepsUntilKeyframe = [](Mapper& mapper, int most, std::uint64_t& keyframe_frame) {
+    Follower follower(mapper);
+    for (int i = 1; i <= most; ++i) {
+      const MapperOutput output = follower.step();
+      if (!output.keyframe) continue;
+      keyframe_frame = output.keyframe->frame_sequence;
+      return i;
+    }
+    return most;
+  };
+  Mapper undisturbed(config());
+  std::uint64_t expected = 0, none = 0;
+  const int steps = stepsUntilKeyframe(undisturbed, 30, expected);
+  ASSERT_LT(steps, 30);
+  Mapper mapper(config());
+  EXPECT_EQ(stepsUntilKeyframe(mapper, steps - 1, none), steps - 1);  // the frame waits
+  const FrameConstPtr next = shifted(elsewhere(frames().back()), 10.0);
+  const MapperOutput output = mapper.process(report(next, TrackingStatus::kLost));
+  ASSERT_TRUE(output.keyframe);
+  EXPECT_EQ(output.keyframe->frame_sequence, expected);
+  ASSERT_NE(output.reference, nullptr);
+  EXPECT_EQ(output.reference->id.keyframe_id, output.keyframe->keyframe_id);
+  EXPECT_FALSE(mapper.process(report(shifted(next, 0.04), TrackingStatus::kLost)).keyframe) << "once is enough";
 }
 
 TEST(Mapper, GivesUpItsMapTogetherWithTheTracker) {

@@ -105,7 +105,7 @@ TEST(ProjectPoints, GivesTheTrueDepthInAnotherCamera) {
       inside += camera.contains(camera.project(seen), 6.0) ? 1 : 0;
     }
   }
-  const std::vector<ReferencePoint> projected = projectPoints(window, camera, T_map_camera);
+  const std::vector<ReferencePoint> projected = projectPoints(window, window.points(), camera, T_map_camera);
   EXPECT_GE(static_cast<int>(projected.size()), inside);
   EXPECT_LT(projected.size(), 140U);  // some leave the image
   int exact = 0;

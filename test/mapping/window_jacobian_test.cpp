@@ -181,7 +181,7 @@ TEST_P(WindowJacobian, CalibrationSystemIsThatOfASumOfSquares) {
   WindowState state = randomState(random, GetParam());
   const WindowLinearizer linearizer(smoothOptions(), true);
   linearizer.placePixels(state, 0.75F);
-  const CalibrationSystem system = linearizeCalibration(state, linearizer, true, 1);
+  const CalibrationSystem system = linearizeCalibration(state, linearizer, 1);
   EXPECT_LT((system.H - system.H.transpose()).norm(), 1e-6 * system.H.norm());
   const Eigen::SelfAdjointEigenSolver<CalibrationCorrection::Matrix> eigen(system.H);
   EXPECT_GT(eigen.eigenvalues().minCoeff(), -1e-6 * eigen.eigenvalues().maxCoeff());

@@ -47,11 +47,11 @@ std::unique_ptr<Window> begin(bool measured) {
       }
     }
   }
-  window->setSlopes([&](const WindowPoint& point) {  // the walls are slanted
+  window->setSlopes(window->points(), [&](const WindowPoint& point) {  // the walls are slanted
     const auto at = [&](double dx, double dy) {
       return scene.inverseDepth(camera, truth(point.host), point.pixel + Eigen::Vector2d(dx, dy)) / kBegun;
     };
-    return Eigen::Vector2d(at(0.5, 0.0) - at(-0.5, 0.0), at(0.0, 0.5) - at(0.0, -0.5));
+    return std::make_optional<Eigen::Vector2d>(at(0.5, 0.0) - at(-0.5, 0.0), at(0.0, 0.5) - at(0.0, -0.5));
   });
   return window;
 }

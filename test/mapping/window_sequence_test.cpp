@@ -111,7 +111,7 @@ TEST(WindowSequence, MarginalizationKeepsEstimatesConsistent) {
   for (KeyframeId i = 0; i < kKeyframes; ++i) truth.push_back(poseAt(i));
   for (const int size : {5, 7}) {
     WindowConfig config;
-    config.max_keyframes = size;
+    config.max_keyframes = config.min_keyframes = size;
     SlidingRun run(config);
     const std::vector<double> errors = test::alignedPositionErrors(truth, run.run());
     EXPECT_LT(*std::max_element(errors.begin(), errors.end()), 4e-3) << "window of " << size;

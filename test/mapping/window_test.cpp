@@ -234,7 +234,7 @@ TEST(Window, ActivationRefinesDepthAndRefusesBadPoints) {
 
 TEST(Window, KeepsItsSizeAndTheTwoNewestKeyframes) {
   WindowConfig config;
-  config.max_keyframes = 4;
+  config.max_keyframes = config.min_keyframes = 4;
   Window window(config, true);
   Disturbance setup;
   setup.step = 30;

@@ -14,8 +14,7 @@ struct CalibrationSystem {
 
 /// What the residuals of a window, without its prior, say about the calibration of its images: from every `stride`-th
 /// point.
-CalibrationSystem linearizeCalibration(WindowState& state, const WindowLinearizer& linearizer, bool reblur_targets,
-                                       int stride);
+CalibrationSystem linearizeCalibration(WindowState& state, const WindowLinearizer& linearizer, int stride);
 
 /// d place in the host / d correction of both images, for the middle of the exposure [0] and by the time within it [1].
 std::array<Eigen::Matrix<double, 2, CalibrationCorrection::kDim>, 2> calibrationJacobian(const PairGeometry& pair,

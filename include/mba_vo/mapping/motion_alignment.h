@@ -40,10 +40,12 @@ class MotionAlignment {
  private:
   struct Patch {
     const PointState* point;
-    PatchResidual residual;
+    PatchResidual residual;  // its energy is that at the beginning, truncated
   };
   KeyframeState with(const KeyframeMotion& motion) const;
-  /// With all hosts, by their index.
+  /// Leaves out what cannot be seen at the beginning, or would be too much.
+  void choosePatches();
+  /// With the hosts of the patches, by their index.
   std::vector<PairGeometry> pairsWith(const KeyframeState& target) const;
   void addPatch(const Patch& patch, const PairGeometry& pair, const KeyframeState& target,
                 NormalEquations<kStates>& equations) const;

@@ -33,6 +33,9 @@ PairGeometry makePairGeometry(const KeyframeState& host, const KeyframeState& ta
 
 /// All pairs of the window; that of a host in a target is number host * keyframes + target.
 std::vector<PairGeometry> makePairGeometries(const WindowState& state, bool reblur_targets);
+/// Only those in which the points numbered `points` have residuals; the others have no images.
+std::vector<PairGeometry> makePairGeometries(const WindowState& state, bool reblur_targets,
+                                             const std::vector<int>& points);
 
 /// Where the target sees a point of the host; nullopt if it is behind.
 std::optional<Eigen::Vector2d> projectIntoTarget(const PairGeometry& pair, const Eigen::Vector2d& host_pixel,

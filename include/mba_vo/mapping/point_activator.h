@@ -32,6 +32,7 @@ class PointActivator {
                 const Eigen::Vector2d& in_newest);
 
   Window& window_;
+  std::vector<WindowPoint> known_;  // before any is activated
   PinholeCamera camera_;
   SE3 T_newest_map_;
   SpacingGrid grid_;  // of the newest keyframe

@@ -112,8 +112,9 @@ class Window {
   std::optional<PointId> activatePoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,
                                        const Eigen::Vector2d& slope = Eigen::Vector2d::Zero(),
                                        const MeasuredDepth& measured = {});
-  /// Sets the slopes of the surface at all points, see PointState.
-  void setSlopes(const std::function<Eigen::Vector2d(const WindowPoint&)>& slopeOf);
+  /// Sets the slopes of the surface at `points`, all of them, see PointState; nullopt: it stays.
+  void setSlopes(const std::vector<WindowPoint>& points,
+                 const std::function<std::optional<Eigen::Vector2d>(const WindowPoint&)>& slopeOf);
   /// Adds the residuals of all existing points into a keyframe just added.
   void addResidualsTo(KeyframeId target);
 

@@ -13,6 +13,7 @@ struct WindowEvaluation {
   std::vector<int> points;               // their numbers
   std::vector<std::size_t> first;        // of a point's comparisons
   std::vector<PatchComparison> patches;  // one per residual, valid where it has a trial_energy
+  std::vector<PairGeometry> pairs;       // in which they have residuals, of the state evaluated
 };
 
 /// Evaluates residuals of a window and accumulates their normal equations. Points are cut in chunks whose bounds depend
@@ -45,8 +46,8 @@ class WindowLinearizer {
   struct Chunk;
   void evaluateResidual(const PairGeometry& pair, const PointState& point, PatchResidual& residual,
                         PatchComparison& comparison) const;
-  static void assemblePoint(const WindowState& state, const std::vector<PairGeometry>& pairs,
-                            const WindowEvaluation& evaluation, int row, Chunk& chunk, LinearizedWindow& out);
+  static void assemblePoint(const WindowState& state, const WindowEvaluation& evaluation, int row, Chunk& chunk,
+                            LinearizedWindow& out);
 
   ResidualOptions options_;
   bool reblur_targets_;
