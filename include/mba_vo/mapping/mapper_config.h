@@ -25,7 +25,7 @@ struct MapperConfig {
   TrackerConfig tracker;
   KeyframePolicyConfig keyframe;
   int new_points_per_keyframe = 1500;
-  int max_display_points = 100000;
+  int max_display_points = 50000;
   double restart_after_lost = 1.0;
   MapHealthConfig health;
   RelocalizerConfig relocalizer;
