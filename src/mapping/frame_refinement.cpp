@@ -3,13 +3,35 @@
 #include <algorithm>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
 #include "mba_vo/mapping/local_map.h"
 #include "mba_vo/tracking/frame_measures.h"
 
 namespace mba_vo {
 namespace {
 
+constexpr double kTolerance = 2.0;      // by which more error may be expected of a pose than before
 constexpr std::size_t kMaxFrames = 24;  // that wait, or are to be tracked: each holds its images
+
+// Expected error of a place between two keyframes, mostly by that of their velocities.
+constexpr double kLinearError = 0.005;  // [median depths/s] times the time between them
+constexpr double kAngularError = 0.01;  // [rad/s]
+
+double secondsBetween(std::int64_t from_ns, std::int64_t to_ns) { return 1e-9 * static_cast<double>(to_ns - from_ns); }
+
+/// In the map, at a time between two keyframes, with a constant acceleration that takes the one's velocity to the
+/// other's.
+SE3 placeBetween(const Reference& before, const Reference& after, std::int64_t ns) {
+  const double interval = secondsBetween(before.mid_exposure_ns, after.mid_exposure_ns);
+  const double since = secondsBetween(before.mid_exposure_ns, ns);
+  const double until = interval - since;
+  const Vector6 half_acceleration = 0.5 / interval * (after.velocity - before.velocity);
+  const SE3 forwards = before.T_map_reference * SE3::exp(since * before.velocity + since * since * half_acceleration);
+  const SE3 backwards = after.T_map_reference * SE3::exp(-until * after.velocity + until * until * half_acceleration);
+  const double s = since / interval;
+  return forwards * SE3::exp(s * s * (3.0 - 2.0 * s) * (forwards.inverse() * backwards).log());
+}
 
 template <typename T>
 void dropOldest(std::deque<T>& queue) {
@@ -63,12 +85,19 @@ FrameRefinement::Job FrameRefinement::jobFor(const TrackedFrameConstPtr& tracked
   Job best;
   double least_need = 0.0;
   for (const ReferenceConstPtr& reference : references) {
-    Job job{tracked, reference, tracked->trajectory};
+    Job job{tracked, reference, tracked->trajectory, std::nullopt, 0.0};
     job.first.T_reference_mid = reference->T_map_reference.inverse() * T_map_camera;
     const double need = policy_.need(*reference, measureFrame(*reference, job.first), tracked->brightness);
     if (best.reference && need >= least_need) continue;
     least_need = need;
     best = std::move(job);
+  }
+  const Reference& after = *references.front();
+  const Reference& before = *references.back();
+  const std::int64_t ns = tracked->frame->mid_exposure_ns;
+  best.interval = secondsBetween(before.mid_exposure_ns, after.mid_exposure_ns);
+  if (before.mid_exposure_ns < ns && ns < after.mid_exposure_ns && best.interval < 2.0 * kLongestPrediction) {
+    best.between = best.reference->T_map_reference.inverse() * placeBetween(before, after, ns);
   }
   return best;
 }
@@ -76,7 +105,10 @@ FrameRefinement::Job FrameRefinement::jobFor(const TrackedFrameConstPtr& tracked
 /// From a frame that is left as it was.
 void FrameRefinement::goOnFrom(const Job& job) {
   reference_ = job.reference;
-  motion_ = MotionState(job.first, job.tracked->frame->mid_exposure_ns);
+  ExposureTrajectory from = job.first;
+  // A keyframe's motion is known better than when it was tracked.
+  if (job.tracked->frame->mid_exposure_ns == job.reference->mid_exposure_ns) from.velocity = job.reference->velocity;
+  motion_ = MotionState(from, job.tracked->frame->mid_exposure_ns);
 }
 
 TrackingGuess FrameRefinement::guessFor(const Job& job) const {
@@ -86,6 +118,18 @@ TrackingGuess FrameRefinement::guessFor(const Job& job) const {
   guess.trajectory = job.first;
   guess.is_close = true;
   return guess;
+}
+
+void FrameRefinement::hold(const Job& job, TrackedFrame& refined) {
+  if (!job.between) return;
+  Vector6 sigma = Vector6::Constant(kAngularError * job.interval);
+  sigma.head<3>().setConstant(kLinearError * job.interval * medianDepth(*job.reference));
+  const Matrix6 covariance = refined.covariance.topLeftCorner<6, 6>();
+  Matrix6 sum = covariance;
+  sum.diagonal() += sigma.cwiseAbs2();
+  SE3& T_reference_mid = refined.trajectory.T_reference_mid;
+  const Vector6 deviation = (T_reference_mid.inverse() * *job.between).log();
+  T_reference_mid = T_reference_mid * SE3::exp(covariance * sum.ldlt().solve(deviation));
 }
 
 std::optional<TrackedFrame> FrameRefinement::next() {
@@ -105,11 +149,12 @@ std::optional<TrackedFrame> FrameRefinement::next() {
   }
   TrackedFrame refined = tracker_.track(*job.reference, job.tracked->frame, guessFor(job));
   // Some points that it was tracked by may have left the window.
-  const bool better = refined.expected_error <= job.tracked->expected_error;
+  const bool better = refined.expected_error <= kTolerance * job.tracked->expected_error;
   if (refined.status != TrackingStatus::kTracking || !better) {
     goOnFrom(job);
     return std::nullopt;
   }
+  hold(job, refined);
   motion_.update(refined);
   // What was doubtful when it came has been published so.
   refined.status = job.tracked->status;

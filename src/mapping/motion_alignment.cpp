@@ -16,8 +16,8 @@ constexpr std::size_t kPatchesPerChunk = 64;  // in one piece of parallel work
 constexpr double kMaxDrift = 0.75;            // [px] beyond it a patch gets new pixels
 constexpr double kExpectedError = 0.5;        // [px] of the motion by the frames around
 constexpr int kMostEvaluations = 6;
-constexpr double kLeastStep = 0.01;  // [px]
-constexpr int kPathRows = 6;         // moments of the gradient with 1, u and u^2
+constexpr double kLeastStep = 0.01;    // [px]
+constexpr int kPathRows = 6;           // moments of the gradient with 1, u and u^2
 constexpr int kTerms = kPathRows + 3;  // and J_a, J_b, r
 
 using PathJacobian = Eigen::Matrix<double, kPathRows, 12>;  // by the pose and by xi
@@ -29,8 +29,8 @@ Matrix6 smallAdjoint(const Vector6& xi) {
   return ad;
 }
 
-/// What moves the moments of the gradient. An increment of xi moves the camera, `row` exposures after the middle row, by
-/// (u + row) J_l(u xi) of it, to first order in xi.
+/// What moves the moments of the gradient. An increment of xi moves the camera, `row` exposures after the middle row,
+/// by (u + row) J_l(u xi) of it, to first order in xi.
 PathJacobian pathJacobian(const PatchPath& path, const Vector6& xi, double row) {
   const Matrix26 J_xi_0 = path.J_pose[0];
   const Matrix26 J_xi_1 = path.J_pose[1] + 0.5 * path.J_pose[0].lazyProduct(smallAdjoint(xi));

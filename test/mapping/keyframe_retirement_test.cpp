@@ -40,11 +40,11 @@ std::vector<double> evenly(int n) {
 const KeyframeRetirementOptions kOptions{10, 5, 1000};
 
 TEST(KeyframeRetirement, AWindowWithFewResidualsKeepsMoreKeyframes) {
-  EXPECT_TRUE(keyframesToRetire(windowOf(evenly(9), 13), kOptions).empty());           // 936 residuals
-  EXPECT_EQ(keyframesToRetire(windowOf(evenly(9), 15), kOptions).size(), 1U);          // 1080, with 8 left 840
-  EXPECT_EQ(keyframesToRetire(windowOf(evenly(9), 30), kOptions).size(), 3U);          // with 6 left 900
-  EXPECT_EQ(keyframesToRetire(windowOf(evenly(12), 1), kOptions).size(), 3U);          // 9 are the most
-  EXPECT_EQ(keyframesToRetire(windowOf(evenly(9), 500), kOptions).size(), 5U);         // 4 stay whatever they have
+  EXPECT_TRUE(keyframesToRetire(windowOf(evenly(9), 13), kOptions).empty());    // 936 residuals
+  EXPECT_EQ(keyframesToRetire(windowOf(evenly(9), 15), kOptions).size(), 1U);   // 1080, with 8 left 840
+  EXPECT_EQ(keyframesToRetire(windowOf(evenly(9), 30), kOptions).size(), 3U);   // with 6 left 900
+  EXPECT_EQ(keyframesToRetire(windowOf(evenly(12), 1), kOptions).size(), 3U);   // 9 are the most
+  EXPECT_EQ(keyframesToRetire(windowOf(evenly(9), 500), kOptions).size(), 5U);  // 4 stay whatever they have
   WindowState bad = windowOf(evenly(9), 30);
   for (PointState& point : bad.points) {
     for (PatchResidual& residual : point.residuals) residual.energy = 2.0F;

@@ -113,7 +113,8 @@ struct Errors {
   double position, rotation, xi_position, xi_rotation;  // [m, rad]
 };
 
-/// After the alignment, from a wrong pose and a wrong motion. `expected_right`: the motion by the frames around is right.
+/// After the alignment, from a wrong pose and a wrong motion. `expected_right`: the motion by the frames around is
+/// right.
 Errors errorsAfterAlignment(Random& random, bool expected_right) {
   Rendered rendered(longBlur());
   KeyframeState& newest = rendered.state.keyframes.back();

@@ -36,7 +36,9 @@ class FrameRefinement {
   struct Job {
     TrackedFrameConstPtr tracked;
     ReferenceConstPtr reference;
-    ExposureTrajectory first;  // as it was tracked, relative to the reference
+    ExposureTrajectory first;    // as it was tracked, relative to the reference
+    std::optional<SE3> between;  // where the keyframes before and after it say it was, relative to the reference
+    double interval = 0.0;       // between these [s]
   };
 
   void prepareUntil(LocalMap& map, KeyframeId last);
@@ -44,6 +46,8 @@ class FrameRefinement {
              const std::vector<ReferenceConstPtr>& references) const;
   void goOnFrom(const Job& job);
   TrackingGuess guessFor(const Job& job) const;
+  /// Weighs the pose with what the keyframes before and after say.
+  static void hold(const Job& job, TrackedFrame& refined);
 
   Tracker tracker_;
   KeyframePolicy policy_;

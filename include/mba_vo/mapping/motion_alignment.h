@@ -16,8 +16,8 @@ struct KeyframeMotion {
 };
 
 /// Aligns one keyframe of a window, as a target, with the points that it sees, all else fixed: pose, brightness and the
-/// motion within its exposure. That motion came from the poses of the frames around, which are poor on fast turns, and a
-/// blurred image compared with a wrong blur gives a wrong pose. What those frames say of it is the prior. This is the
+/// motion within its exposure. That motion came from the poses of the frames around, which are poor on fast turns, and
+/// a blurred image compared with a wrong blur gives a wrong pose. What those frames say of it is the prior. This is the
 /// problem as `minimize` wants it.
 class MotionAlignment {
  public:

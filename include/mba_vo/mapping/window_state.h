@@ -27,9 +27,9 @@ struct KeyframeState {
   Vector6 xi = Vector6::Zero();
   Vector6 expected_xi = Vector6::Zero();  // by the motion before and after
   Vector6 image_xi = Vector6::Zero();     // motion blur left in `sharp`, 0 = none [m, rad]
-  Vector6 velocity = Vector6::Zero();  // while the rows of a rolling shutter are read [m/s, rad/s]
-  CalibrationCorrection correction;    // of the calibration, that the images were made with
-  CalibrationCorrection lacking;       // what is to be added to it, as is known now
+  Vector6 velocity = Vector6::Zero();     // while the rows of a rolling shutter are read [m/s, rad/s]
+  CalibrationCorrection correction;       // of the calibration, that the images were made with
+  CalibrationCorrection lacking;          // what is to be added to it, as is known now
   SE3 T_linear;
   AffineBrightness brightness_linear;
   Vector8 delta = Vector8::Zero();
