@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "mba_vo/mapping/local_map.h"
+#include "mba_vo/mapping/place_between.h"
 #include "mba_vo/tracking/frame_measures.h"
 
 namespace mba_vo {
@@ -20,17 +21,8 @@ constexpr double kAngularError = 0.01;  // [rad/s]
 
 double secondsBetween(std::int64_t from_ns, std::int64_t to_ns) { return 1e-9 * static_cast<double>(to_ns - from_ns); }
 
-/// In the map, at a time between two keyframes, with a constant acceleration that takes the one's velocity to the
-/// other's.
-SE3 placeBetween(const Reference& before, const Reference& after, std::int64_t ns) {
-  const double interval = secondsBetween(before.mid_exposure_ns, after.mid_exposure_ns);
-  const double since = secondsBetween(before.mid_exposure_ns, ns);
-  const double until = interval - since;
-  const Vector6 half_acceleration = 0.5 / interval * (after.velocity - before.velocity);
-  const SE3 forwards = before.T_map_reference * SE3::exp(since * before.velocity + since * since * half_acceleration);
-  const SE3 backwards = after.T_map_reference * SE3::exp(-until * after.velocity + until * until * half_acceleration);
-  const double s = since / interval;
-  return forwards * SE3::exp(s * s * (3.0 - 2.0 * s) * (forwards.inverse() * backwards).log());
+Waypoint waypointOf(const Reference& keyframe) {
+  return {keyframe.mid_exposure_ns, keyframe.T_map_reference, keyframe.velocity};
 }
 
 template <typename T>
@@ -97,7 +89,7 @@ FrameRefinement::Job FrameRefinement::jobFor(const TrackedFrameConstPtr& tracked
   const std::int64_t ns = tracked->frame->mid_exposure_ns;
   best.interval = secondsBetween(before.mid_exposure_ns, after.mid_exposure_ns);
   if (before.mid_exposure_ns < ns && ns < after.mid_exposure_ns && best.interval < 2.0 * kLongestPrediction) {
-    best.between = best.reference->T_map_reference.inverse() * placeBetween(before, after, ns);
+    best.between = best.reference->T_map_reference.inverse() * placeBetween(waypointOf(before), waypointOf(after), ns);
   }
   return best;
 }

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+
+#include "mba_vo/geometry/se3.h"
+
+namespace mba_vo {
+
+/// A camera at one moment of its way.
+struct Waypoint {
+  std::int64_t mid_exposure_ns = 0;
+  SE3 T_map_camera;
+  Vector6 velocity = Vector6::Zero();  // [m/s, rad/s, body frame]
+};
+
+/// Where the camera was at a time between two waypoints. Exact for a constant acceleration that takes the one's
+/// velocity to the other's, up to what turns of a few degrees between them make of it.
+SE3 placeBetween(const Waypoint& before, const Waypoint& after, std::int64_t mid_exposure_ns);
+
+}  // namespace mba_vo

@@ -1,0 +1,21 @@
+#include "mba_vo/mapping/place_between.h"
+
+namespace mba_vo {
+namespace {
+
+double secondsBetween(std::int64_t from_ns, std::int64_t to_ns) { return 1e-9 * static_cast<double>(to_ns - from_ns); }
+
+}  // namespace
+
+SE3 placeBetween(const Waypoint& before, const Waypoint& after, std::int64_t mid_exposure_ns) {
+  const double interval = secondsBetween(before.mid_exposure_ns, after.mid_exposure_ns);
+  const double since = secondsBetween(before.mid_exposure_ns, mid_exposure_ns);
+  const double until = interval - since;
+  const Vector6 half_acceleration = 0.5 / interval * (after.velocity - before.velocity);
+  const SE3 forwards = before.T_map_camera * SE3::exp(since * before.velocity + since * since * half_acceleration);
+  const SE3 backwards = after.T_map_camera * SE3::exp(-until * after.velocity + until * until * half_acceleration);
+  const double s = since / interval;
+  return forwards * SE3::exp(s * s * (3.0 - 2.0 * s) * (forwards.inverse() * backwards).log());
+}
+
+}  // namespace mba_vo
