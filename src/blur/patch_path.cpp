@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mba_vo/geometry/small_adjoint.h"
+
 namespace mba_vo {
 namespace {
 
@@ -72,13 +74,6 @@ Matrix26 carriedJacobian(const RigidMotion& carrier, const PlaneHit& hit) {
 void shiftXi(double row, PatchPath& path) {
   path.J_xi_row = row * path.J_xi[0];
   path.J_xi[0] += row * path.J_xi[1];
-}
-
-/// ad(xi): J_r(xi) = I - ad / 2 + ad^2 / 6 - ...
-Matrix6 smallAdjoint(const Vector6& xi) {
-  Matrix6 ad;
-  ad << hat(xi.tail<3>()), hat(xi.head<3>()), Eigen::Matrix3d::Zero(), hat(xi.tail<3>());
-  return ad;
 }
 
 /// J times a matrix whose lower left 3x3 block is zero.

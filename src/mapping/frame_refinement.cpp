@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
 #include "mba_vo/mapping/local_map.h"
 #include "mba_vo/mapping/place_between.h"
 #include "mba_vo/tracking/frame_measures.h"
@@ -116,12 +114,8 @@ void FrameRefinement::hold(const Job& job, TrackedFrame& refined) {
   if (!job.between) return;
   Vector6 sigma = Vector6::Constant(kAngularError * job.interval);
   sigma.head<3>().setConstant(kLinearError * job.interval * medianDepth(*job.reference));
-  const Matrix6 covariance = refined.covariance.topLeftCorner<6, 6>();
-  Matrix6 sum = covariance;
-  sum.diagonal() += sigma.cwiseAbs2();
   SE3& T_reference_mid = refined.trajectory.T_reference_mid;
-  const Vector6 deviation = (T_reference_mid.inverse() * *job.between).log();
-  T_reference_mid = T_reference_mid * SE3::exp(covariance * sum.ldlt().solve(deviation));
+  T_reference_mid = weighedMean(T_reference_mid, refined.covariance.topLeftCorner<6, 6>(), *job.between, sigma);
 }
 
 std::optional<TrackedFrame> FrameRefinement::next() {

@@ -172,7 +172,7 @@ void LocalMap::alignBlurred(double blur_length_px) {
   if (config_.window.reblur_targets && blur_length_px >= kLongBlur) window_.alignNewest();
 }
 
-/// Every point has a slope from its activation on, which changes but slowly: one after the other is enough.
+/// Of half of the points, by turns: a slope, which most points have from their activation on, changes but slowly.
 void LocalMap::updateSlopes() {
   const std::vector<WindowPoint> points = window_.points();
   std::map<KeyframeId, SurfaceSlopes> slopes;  // of the keyframes that have points

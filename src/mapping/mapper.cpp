@@ -213,16 +213,15 @@ class Mapper::Impl {
   }
 
   MapperOutput handleLost(const TrackedFrame& frame) {
+    MapperOutput output;
     if (const TrackedFrameConstPtr chosen = choice_.takeNow()) {
-      MapperOutput output;
       output.keyframe = insertKeyframe(chosen);
       return withKeyframe(std::move(output));
     }
     const auto found = recovery_.lose(frame, health_.usualFrameError());
     if (found) return goOnFrom(*found);
-    if (!recovery_.isLostForGood()) return {};
+    if (!recovery_.isLostForGood()) return output;
     forgetMap();
-    MapperOutput output;
     output.message = "lost for too long: a new map begins";
     return output;
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mba_vo/blur/reblur.h"
+#include "mba_vo/geometry/small_adjoint.h"
 #include "mba_vo/image/parallel_for.h"
 #include "mba_vo/mapping/point_activation.h"
 
@@ -22,12 +23,6 @@ constexpr int kTerms = kPathRows + 3;  // and J_a, J_b, r
 
 using PathJacobian = Eigen::Matrix<double, kPathRows, 12>;  // by the pose and by xi
 using Products = Eigen::Matrix<double, kTerms, kTerms>;
-
-Matrix6 smallAdjoint(const Vector6& xi) {
-  Matrix6 ad;
-  ad << hat(xi.tail<3>()), hat(xi.head<3>()), Eigen::Matrix3d::Zero(), hat(xi.tail<3>());
-  return ad;
-}
 
 /// What moves the moments of the gradient. An increment of xi moves the camera, `row` exposures after the middle row,
 /// by (u + row) J_l(u xi) of it, to first order in xi.

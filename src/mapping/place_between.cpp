@@ -1,5 +1,7 @@
 #include "mba_vo/mapping/place_between.h"
 
+#include <Eigen/Cholesky>
+
 namespace mba_vo {
 namespace {
 
@@ -16,6 +18,12 @@ SE3 placeBetween(const Waypoint& before, const Waypoint& after, std::int64_t mid
   const SE3 backwards = after.T_map_camera * SE3::exp(-until * after.velocity + until * until * half_acceleration);
   const double s = since / interval;
   return forwards * SE3::exp(s * s * (3.0 - 2.0 * s) * (forwards.inverse() * backwards).log());
+}
+
+SE3 weighedMean(const SE3& T, const Matrix6& covariance, const SE3& T_other, const Vector6& sigma) {
+  Matrix6 sum = covariance;
+  sum.diagonal() += sigma.cwiseAbs2();
+  return T * SE3::exp(covariance * sum.ldlt().solve((T.inverse() * T_other).log()));
 }
 
 }  // namespace mba_vo

@@ -17,4 +17,8 @@ struct Waypoint {
 /// velocity to the other's, up to what turns of a few degrees between them make of it.
 SE3 placeBetween(const Waypoint& before, const Waypoint& after, std::int64_t mid_exposure_ns);
 
+/// The mean of two measurements of a pose, weighed by what is known of each, to first order in their difference.
+/// `covariance`: of the right increment of T; `sigma`: standard deviations of that of T_other.
+SE3 weighedMean(const SE3& T, const Matrix6& covariance, const SE3& T_other, const Vector6& sigma);
+
 }  // namespace mba_vo
