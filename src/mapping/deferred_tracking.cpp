@@ -27,7 +27,7 @@ bool DeferredTracking::doNext(const LocalMap& map, TrajectoryStore& store) {
   if (hasFramesBefore() && backward_->isReady(map)) {
     trackBackwards(store);
   } else if (!refinement_.done()) {
-    refine(store);
+    refine(map, store);
   } else {
     return false;
   }
@@ -37,7 +37,7 @@ bool DeferredTracking::doNext(const LocalMap& map, TrajectoryStore& store) {
 void DeferredTracking::finish(LocalMap& map, TrajectoryStore& store) {
   while (hasFramesBefore()) trackBackwards(store);
   refinement_.finish(map);
-  while (!refinement_.done()) refine(store);
+  while (!refinement_.done()) refine(map, store);
 }
 
 void DeferredTracking::trackBackwards(TrajectoryStore& store) {
@@ -45,8 +45,8 @@ void DeferredTracking::trackBackwards(TrajectoryStore& store) {
   if (tracked.tracked()) store.addFrame(tracked);
 }
 
-void DeferredTracking::refine(TrajectoryStore& store) {
-  if (const std::optional<TrackedFrame> refined = refinement_.next()) store.addFrame(*refined);
+void DeferredTracking::refine(const LocalMap& map, TrajectoryStore& store) {
+  if (const std::optional<TrackedFrame> refined = refinement_.next(map)) store.addFrame(*refined);
 }
 
 }  // namespace mba_vo

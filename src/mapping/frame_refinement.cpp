@@ -87,7 +87,9 @@ FrameRefinement::Job FrameRefinement::jobFor(const TrackedFrameConstPtr& tracked
   const std::int64_t ns = tracked->frame->mid_exposure_ns;
   best.interval = secondsBetween(before.mid_exposure_ns, after.mid_exposure_ns);
   if (before.mid_exposure_ns < ns && ns < after.mid_exposure_ns && best.interval < 2.0 * kLongestPrediction) {
-    best.between = best.reference->T_map_reference.inverse() * placeBetween(waypointOf(before), waypointOf(after), ns);
+    const Waypoint there = waypointBetween(waypointOf(before), waypointOf(after), ns);
+    best.between = {best.reference->T_map_reference.inverse() * there.T_map_camera, there.velocity,
+                    tracked->trajectory.exposure};
   }
   return best;
 }
@@ -115,10 +117,39 @@ void FrameRefinement::hold(const Job& job, TrackedFrame& refined) {
   Vector6 sigma = Vector6::Constant(kAngularError * job.interval);
   sigma.head<3>().setConstant(kLinearError * job.interval * medianDepth(*job.reference));
   SE3& T_reference_mid = refined.trajectory.T_reference_mid;
-  T_reference_mid = weighedMean(T_reference_mid, refined.covariance.topLeftCorner<6, 6>(), *job.between, sigma);
+  T_reference_mid = weighedMean(T_reference_mid, refined.covariance.topLeftCorner<6, 6>(), job.between->T_reference_mid, sigma);
 }
 
-std::optional<TrackedFrame> FrameRefinement::next() {
+void FrameRefinement::changeReference(const ReferenceConstPtr& reference) {
+  const auto pose = reference->T_map_keyframe.find(reference_->id.keyframe_id);
+  const bool in_window = pose != reference->T_map_keyframe.end();
+  const SE3& T_map_old = in_window ? pose->second : reference_->T_map_reference;
+  motion_.changeReference(reference->T_map_reference.inverse() * T_map_old);
+  reference_ = reference;
+}
+
+/// From where the keyframes say that it was: where it was tracked may be far off.
+std::optional<TrackedFrame> FrameRefinement::align(const Job& job, const LocalMap& map) {
+  if (!job.between || job.interval > kLongestPrediction) return std::nullopt;
+  TrackedFrame frame = *job.tracked;
+  frame.reference = job.reference->id;
+  frame.trajectory = *job.between;
+  const std::optional<ExposureTrajectory> found = map.align(frame);
+  if (!found) return std::nullopt;
+  frame.trajectory = *found;
+  return frame;
+}
+
+std::optional<TrackedFrame> FrameRefinement::track(const Job& job) const {
+  TrackedFrame refined = tracker_.track(*job.reference, job.tracked->frame, guessFor(job));
+  // Some points that it was tracked by may have left the window.
+  const bool better = refined.expected_error <= kTolerance * job.tracked->expected_error;
+  if (refined.status != TrackingStatus::kTracking || !better) return std::nullopt;
+  hold(job, refined);
+  return refined;
+}
+
+std::optional<TrackedFrame> FrameRefinement::next(const LocalMap& map) {
   const Job job = std::move(jobs_.front());
   jobs_.pop_front();
   const bool is_keyframe = job.tracked->frame->mid_exposure_ns == job.reference->mid_exposure_ns;
@@ -126,25 +157,17 @@ std::optional<TrackedFrame> FrameRefinement::next() {
     goOnFrom(job);
     return std::nullopt;
   }
-  if (reference_ != job.reference) {
-    const auto pose = job.reference->T_map_keyframe.find(reference_->id.keyframe_id);
-    const bool in_window = pose != job.reference->T_map_keyframe.end();
-    const SE3& T_map_old = in_window ? pose->second : reference_->T_map_reference;
-    motion_.changeReference(job.reference->T_map_reference.inverse() * T_map_old);
-    reference_ = job.reference;
-  }
-  TrackedFrame refined = tracker_.track(*job.reference, job.tracked->frame, guessFor(job));
-  // Some points that it was tracked by may have left the window.
-  const bool better = refined.expected_error <= kTolerance * job.tracked->expected_error;
-  if (refined.status != TrackingStatus::kTracking || !better) {
+  if (reference_ != job.reference) changeReference(job.reference);
+  std::optional<TrackedFrame> refined = align(job, map);
+  if (!refined) refined = track(job);
+  if (!refined) {
     goOnFrom(job);
     return std::nullopt;
   }
-  hold(job, refined);
-  motion_.update(refined);
+  motion_.update(*refined);
   // What was doubtful when it came has been published so.
-  refined.status = job.tracked->status;
-  refined.reason = job.tracked->reason;
+  refined->status = job.tracked->status;
+  refined->reason = job.tracked->reason;
   return refined;
 }
 

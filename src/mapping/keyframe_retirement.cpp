@@ -6,6 +6,8 @@
 namespace mba_vo {
 namespace {
 
+constexpr int kRecent = 10;  // keyframes for which a turn goes on to count
+
 constexpr double kRelativeEpsilon = 1e-5;  // of the window's extent, keeps 1 / d finite
 
 /// The remaining keyframe with the largest distance score.
@@ -42,16 +44,25 @@ Eigen::MatrixXi countResiduals(const WindowState& state) {
   return counts;
 }
 
+int maxResiduals(const WindowState& state, const KeyframeRetirementOptions& options) {
+  const auto begin = state.keyframes.end() - std::min(kRecent, state.size());
+  const bool turned = std::any_of(begin, state.keyframes.end(), [&](const KeyframeState& keyframe) {
+    return keyframe.blur_length_px >= options.long_blur_px;
+  });
+  return turned ? std::max(options.max_residuals, options.max_residuals_blurred) : options.max_residuals;
+}
+
 }  // namespace
 
 std::vector<int> keyframesToRetire(const WindowState& state, const KeyframeRetirementOptions& options) {
   const Eigen::MatrixXi residuals = countResiduals(state);
+  const int max_residuals = maxResiduals(state, options);
   std::vector<int> remaining, retired;
   for (int i = 0; i < state.size(); ++i) remaining.push_back(i);
   const auto areTooMany = [&] {
     const auto count = static_cast<int>(remaining.size());
     return count >= options.max_keyframes ||
-           (count >= options.min_keyframes && residuals(remaining, remaining).sum() > options.max_residuals);
+           (count >= options.min_keyframes && residuals(remaining, remaining).sum() > max_residuals);
   };
   while (remaining.size() > 2 && areTooMany()) {
     const std::size_t crowding = mostCrowding(state, remaining);

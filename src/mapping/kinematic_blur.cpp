@@ -8,7 +8,6 @@ namespace {
 
 constexpr std::size_t kPoses = 3;
 constexpr double kLongestGap = 0.15;  // [s] the velocity is not constant over longer gaps
-constexpr double kOwnWeight = 0.4;    // of the measured velocity: less than 1, or errors of the references add up
 
 }  // namespace
 
@@ -34,16 +33,17 @@ Vector6 KinematicBlur::velocityOfMiddle() const {
     ++count;
   }
   if (count == 0) return Vector6::Zero();
-  Vector6 mean = velocities / count;
+  Vector6 velocity = velocities / count;
   const auto measured = [&](const Pose& pose) { return pose.velocity.has_value(); };
   if (count + 1 < static_cast<int>(kPoses) || !std::all_of(poses_.begin(), poses_.end(), measured)) {
-    return mean;
+    return velocity;
   }
   // The central difference exceeds the velocity by a sixth of its second difference. An error that all measured
-  // velocities have in common, that of the reference, cancels there.
-  const Vector6& own = *poses_[1].velocity;
-  const Vector6 second_difference = *poses_[0].velocity - 2.0 * own + *poses_[2].velocity;
-  return (1.0 - kOwnWeight) * (mean - second_difference / 6.0) + kOwnWeight * own;
+  // velocities have in common, that of the reference, cancels there. Hands change the rate of a turn so fast that it
+  // counts, but not how fast they move: there it would only add the errors of the measured velocities.
+  const auto turn = [&](std::size_t i) { return poses_[i].velocity->tail<3>(); };
+  velocity.tail<3>() -= (turn(0) - 2.0 * turn(1) + turn(2)) / 6.0;
+  return velocity;
 }
 
 Vector6 KinematicBlur::velocityOfLast() const {

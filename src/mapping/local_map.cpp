@@ -29,6 +29,21 @@ double millisecondsSince(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
+/// As it would enter a window; its id is left open.
+WindowKeyframe windowKeyframe(const FrameConstPtr& frame, const SE3& T_map_camera, const Vector6& velocity,
+                              const AffineBrightness& brightness) {
+  WindowKeyframe keyframe;
+  keyframe.original = std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid);
+  keyframe.sharp = keyframe.original;
+  keyframe.T_map_keyframe = T_map_camera;
+  keyframe.velocity = velocity;
+  // Where the exposure is unknown, the image is left as if it were sharp.
+  keyframe.xi = velocity * frame->exposure.value_or(0.0);
+  keyframe.brightness = brightness;
+  keyframe.correction = frame->correction;
+  return keyframe;
+}
+
 }  // namespace
 
 LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, const Vector6& reference_velocity,
@@ -42,7 +57,7 @@ LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initi
       next_keyframe_(place.keyframe) {
   window_.setCorrection(calibration_.correction());
   const FrameConstPtr& frame = initial.reference;
-  addKeyframe(frame, place.T_map_keyframe, reference_velocity, place.brightness);
+  addKeyframe(frame, windowKeyframe(frame, place.T_map_keyframe, reference_velocity, place.brightness));
   for (const ReferencePoint& point : initial.points) {
     const MeasuredDepth depth{static_cast<double>(point.inverse_depth), static_cast<double>(point.variance)};
     window_.addPoint(newestKeyframe(), point.pixel.cast<double>(), depth.inverse_depth,
@@ -56,18 +71,18 @@ SE3 LocalMap::T_map_camera(const TrackedFrame& tracked) const {
   return store_.T_map_keyframe(id_, tracked.reference.keyframe_id) * tracked.trajectory.T_reference_mid;
 }
 
-void LocalMap::addKeyframe(const FrameConstPtr& frame, const SE3& T_map_keyframe, const Vector6& velocity,
-                           const AffineBrightness& brightness) {
-  WindowKeyframe keyframe;
+std::optional<ExposureTrajectory> LocalMap::align(const TrackedFrame& tracked) const {
+  if (!config_.window.reblur_targets) return std::nullopt;
+  const std::optional<KeyframeMotion> found = window_.align(
+      windowKeyframe(tracked.frame, T_map_camera(tracked), tracked.trajectory.velocity, tracked.brightness));
+  if (!found) return std::nullopt;
+  const SE3 T_map_reference = store_.T_map_keyframe(id_, tracked.reference.keyframe_id);
+  const double exposure = *tracked.frame->exposure;  // known, or it would count as sharp
+  return ExposureTrajectory{T_map_reference.inverse() * found->T_map_keyframe, found->xi / exposure, exposure};
+}
+
+void LocalMap::addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe) {
   keyframe.id = next_keyframe_++;
-  keyframe.original = std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid);
-  keyframe.sharp = keyframe.original;
-  keyframe.T_map_keyframe = T_map_keyframe;
-  keyframe.velocity = velocity;
-  // Where the exposure is unknown, the image is left as if it were sharp.
-  keyframe.xi = velocity * frame->exposure.value_or(0.0);
-  keyframe.brightness = brightness;
-  keyframe.correction = frame->correction;
   // It has the whole motion in it, until it is replaced by a sharp one.
   if (config_.commute_blur) keyframe.image_xi = keyframe.xi;
   window_.addKeyframe(keyframe);
@@ -108,7 +123,9 @@ void LocalMap::replaceImage(KeyframeId keyframe, const std::shared_ptr<const Ima
 KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const Vector6& velocity) {
   KeyframeReport report;
   const Clock::time_point begin = Clock::now();
-  addKeyframe(tracked.frame, T_map_camera(tracked), velocity, tracked.brightness);
+  WindowKeyframe keyframe = windowKeyframe(tracked.frame, T_map_camera(tracked), velocity, tracked.brightness);
+  keyframe.blur_length_px = tracked.measures.blur_length_px;
+  addKeyframe(tracked.frame, std::move(keyframe));
   window_.addResidualsTo(newestKeyframe());
   const Clock::time_point stage = Clock::now();
   alignBlurred(tracked.measures.blur_length_px);

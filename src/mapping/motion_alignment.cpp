@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "mba_vo/blur/reblur.h"
 #include "mba_vo/geometry/small_adjoint.h"
@@ -55,20 +56,38 @@ double medianOf(std::vector<double> values) {
 }  // namespace
 
 MotionAlignment::MotionAlignment(const WindowState& state, int target, const ResidualOptions& options)
+    : MotionAlignment(state, state.keyframe(target), patchesInto(state, target), options) {}
+
+MotionAlignment::MotionAlignment(const WindowState& state, const KeyframeState& frame, const ResidualOptions& options)
+    : MotionAlignment(state, frame, patchesOfAll(state), options) {}
+
+MotionAlignment::MotionAlignment(const WindowState& state, const KeyframeState& target, std::vector<Patch> patches,
+                                 const ResidualOptions& options)
     : state_(state),
       target_(target),
       options_(options),
-      focal_length_(state.keyframe(target).original->level(0).camera.fx) {
+      focal_length_(target.original->level(0).camera.fx),
+      patches_(std::move(patches)) {
   std::vector<double> inverse_depths;
-  for (const PointState& point : state.points) {
-    for (const PatchResidual& residual : point.residuals) {
-      if (residual.target != target) continue;
-      patches_.push_back({&point, residual});
-      inverse_depths.push_back(point.inverse_depth);
-    }
-  }
+  for (const Patch& patch : patches_) inverse_depths.push_back(patch.point->inverse_depth);
   if (!inverse_depths.empty()) median_inverse_depth_ = medianOf(std::move(inverse_depths));
   choosePatches();
+}
+
+std::vector<MotionAlignment::Patch> MotionAlignment::patchesInto(const WindowState& state, int target) {
+  std::vector<Patch> patches;
+  for (const PointState& point : state.points) {
+    for (const PatchResidual& residual : point.residuals) {
+      if (residual.target == target) patches.push_back({&point, residual});
+    }
+  }
+  return patches;
+}
+
+std::vector<MotionAlignment::Patch> MotionAlignment::patchesOfAll(const WindowState& state) {
+  std::vector<Patch> patches;
+  for (const PointState& point : state.points) patches.push_back({&point, PatchResidual()});
+  return patches;
 }
 
 void MotionAlignment::choosePatches() {
@@ -78,8 +97,8 @@ void MotionAlignment::choosePatches() {
     patches_ = std::move(some);
   }
   refresh(initial());
-  const std::vector<PairGeometry> pairs = pairsWith(state_.keyframe(target_));
-  const auto limit = static_cast<float>(state_.keyframe(target_).outlier_energy);
+  const std::vector<PairGeometry> pairs = pairsWith(target_);
+  const auto limit = static_cast<float>(target_.outlier_energy);
   PatchPath path;
   PatchComparison comparison;
   const auto cannotBeSeen = [&](Patch& patch) {
@@ -95,12 +114,11 @@ void MotionAlignment::choosePatches() {
 bool MotionAlignment::isStarving() const { return patches_.size() < kLeastPatches; }
 
 KeyframeMotion MotionAlignment::initial() const {
-  const KeyframeState& keyframe = state_.keyframe(target_);
-  return {keyframe.T_map_keyframe(), keyframe.brightness(), keyframe.xi};
+  return {target_.T_map_keyframe(), target_.brightness(), target_.xi};
 }
 
 KeyframeState MotionAlignment::with(const KeyframeMotion& motion) const {
-  KeyframeState keyframe = state_.keyframe(target_);
+  KeyframeState keyframe = target_;
   keyframe.T_linear = motion.T_map_keyframe;
   keyframe.brightness_linear = motion.brightness;
   keyframe.delta.setZero();
@@ -135,7 +153,7 @@ bool MotionAlignment::refresh(const KeyframeMotion& motion) {
 
 void MotionAlignment::addPatch(const Patch& patch, const PairGeometry& pair, const KeyframeState& target,
                                NormalEquations<kStates>& equations) const {
-  const double limit = state_.keyframe(target_).outlier_energy;
+  const double limit = target_.outlier_energy;
   PatchPath path;
   PatchComparison comparison;
   ReblurredPatch reblurred;
@@ -171,7 +189,7 @@ void MotionAlignment::addPrior(const KeyframeMotion& motion, NormalEquations<kSt
   const double information = kResidualVariance * std::pow(focal_length_ / kExpectedError, 2.0);
   Vector6 informations = Vector6::Constant(information);
   informations.head<3>() *= median_inverse_depth_ * median_inverse_depth_;
-  equations.addPrior<6>(8, motion.xi - state_.keyframe(target_).expected_xi, informations);
+  equations.addPrior<6>(8, motion.xi - target_.expected_xi, informations);
 }
 
 NormalEquations<MotionAlignment::kStates> MotionAlignment::linearize(const KeyframeMotion& motion) const {
@@ -208,23 +226,39 @@ double MotionAlignment::stepSize(const Eigen::Matrix<double, kStates, 1>& step) 
   return std::max(pixels(step.head<6>()), pixels(step.tail<6>()));
 }
 
-bool alignNewest(WindowState& state, const ResidualOptions& options) {
-  const int newest = state.size() - 1;
-  if (newest < 1 || state.keyframe(newest).xi.isZero(0.0)) return false;
-  MotionAlignment problem(state, newest, options);
-  if (problem.isStarving()) return false;
+namespace {
+
+std::optional<KeyframeMotion> solve(MotionAlignment& problem) {
+  if (problem.isStarving()) return std::nullopt;
   LevenbergMarquardtOptions solver;
   solver.max_iterations = kMostEvaluations;
   solver.min_step = kLeastStep;
   const auto summary = minimize(problem, problem.initial(), solver);
-  if (summary.accepted == 0) return false;
-  const KeyframeMotion& found = summary.state;
+  if (summary.accepted == 0) return std::nullopt;
+  return summary.state;
+}
+
+}  // namespace
+
+bool alignNewest(WindowState& state, const ResidualOptions& options) {
+  const int newest = state.size() - 1;
+  if (newest < 1 || state.keyframe(newest).xi.isZero(0.0)) return false;
+  MotionAlignment problem(state, newest, options);
+  const std::optional<KeyframeMotion> found = solve(problem);
+  if (!found) return false;
   KeyframeState& keyframe = state.keyframe(newest);
-  keyframe.delta << (keyframe.T_linear.inverse() * found.T_map_keyframe).log(),
-      found.brightness.a - keyframe.brightness_linear.a, found.brightness.b - keyframe.brightness_linear.b;
+  keyframe.delta << (keyframe.T_linear.inverse() * found->T_map_keyframe).log(),
+      found->brightness.a - keyframe.brightness_linear.a, found->brightness.b - keyframe.brightness_linear.b;
   state.relinearize();
-  keyframe.setMotion(found.xi);
+  keyframe.setMotion(found->xi);
   return true;
+}
+
+std::optional<KeyframeMotion> alignFrame(const WindowState& state, const KeyframeState& frame,
+                                         const ResidualOptions& options) {
+  if (frame.xi.isZero(0.0)) return std::nullopt;
+  MotionAlignment problem(state, frame, options);
+  return solve(problem);
 }
 
 }  // namespace mba_vo

@@ -9,7 +9,7 @@ double secondsBetween(std::int64_t from_ns, std::int64_t to_ns) { return 1e-9 * 
 
 }  // namespace
 
-SE3 placeBetween(const Waypoint& before, const Waypoint& after, std::int64_t mid_exposure_ns) {
+Waypoint waypointBetween(const Waypoint& before, const Waypoint& after, std::int64_t mid_exposure_ns) {
   const double interval = secondsBetween(before.mid_exposure_ns, after.mid_exposure_ns);
   const double since = secondsBetween(before.mid_exposure_ns, mid_exposure_ns);
   const double until = interval - since;
@@ -17,7 +17,8 @@ SE3 placeBetween(const Waypoint& before, const Waypoint& after, std::int64_t mid
   const SE3 forwards = before.T_map_camera * SE3::exp(since * before.velocity + since * since * half_acceleration);
   const SE3 backwards = after.T_map_camera * SE3::exp(-until * after.velocity + until * until * half_acceleration);
   const double s = since / interval;
-  return forwards * SE3::exp(s * s * (3.0 - 2.0 * s) * (forwards.inverse() * backwards).log());
+  const SE3 T_map_camera = forwards * SE3::exp(s * s * (3.0 - 2.0 * s) * (forwards.inverse() * backwards).log());
+  return {mid_exposure_ns, T_map_camera, (1.0 - s) * before.velocity + s * after.velocity};
 }
 
 SE3 weighedMean(const SE3& T, const Matrix6& covariance, const SE3& T_other, const Vector6& sigma) {

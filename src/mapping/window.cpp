@@ -57,6 +57,7 @@ class Window::Impl {
         activation_(residual_options_, WindowPointActivationOptions()),
         anchor_(kScaleAnchor) {}
 
+  KeyframeState stateOf(const WindowKeyframe& keyframe) const;
   void addKeyframe(const WindowKeyframe& keyframe);
   PointId insert(PointState point);
   void addResidual(PointState& point, int target) const;
@@ -81,20 +82,16 @@ class Window::Impl {
   CalibrationCorrection correction_;
 };
 
-void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
+/// The state in which a keyframe enters the window.
+KeyframeState Window::Impl::stateOf(const WindowKeyframe& keyframe) const {
   check(keyframe, config_);
-  for (const KeyframeState& k : state_.keyframes) {
-    if (k.id == keyframe.id) {
-      throw std::invalid_argument("window: keyframe " + std::to_string(keyframe.id) + " is already in it");
-    }
-  }
-  const bool first = state_.keyframes.empty();
   KeyframeState added;
   added.id = keyframe.id;
   added.sharp = keyframe.sharp;
   added.original = keyframe.original;
   added.image_xi = keyframe.image_xi;
   added.velocity = keyframe.velocity;
+  added.blur_length_px = keyframe.blur_length_px;
   added.xi = added.expected_xi = keyframe.xi;
   added.correction = keyframe.correction;
   added.lacking.values = correction_.values - keyframe.correction.values;
@@ -102,14 +99,25 @@ void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
   added.brightness_linear = keyframe.brightness;
   // Until its own residuals are known: as strict as the previous keyframe, at first twice the square of the Huber
   // threshold per pixel.
-  added.outlier_energy = first ? 2.0 * kResidualPixels * config_.huber_threshold * config_.huber_threshold
-                               : state_.keyframes.back().outlier_energy;
-  if (!first) {
-    added.huber_threshold = state_.keyframes.back().huber_threshold;
-    added.precision = state_.keyframes.back().precision;
+  added.outlier_energy = 2.0 * kResidualPixels * config_.huber_threshold * config_.huber_threshold;
+  if (!state_.keyframes.empty()) {
+    const KeyframeState& previous = state_.keyframes.back();
+    added.outlier_energy = previous.outlier_energy;
+    added.huber_threshold = previous.huber_threshold;
+    added.precision = previous.precision;
   }
+  return added;
+}
+
+void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
+  for (const KeyframeState& k : state_.keyframes) {
+    if (k.id == keyframe.id) {
+      throw std::invalid_argument("window: keyframe " + std::to_string(keyframe.id) + " is already in it");
+    }
+  }
+  const bool first = state_.keyframes.empty();
   pairs_.clear();
-  state_.keyframes.push_back(added);
+  state_.keyframes.push_back(stateOf(keyframe));
   state_.prior.appendKeyframe();
   const int index = state_.size() - 1;
   Vector8 information = Vector8::Zero();
@@ -141,7 +149,8 @@ void Window::Impl::addResidual(PointState& point, int target) const {
 }
 
 std::vector<KeyframeId> Window::Impl::keyframesToMarginalize() const {
-  const KeyframeRetirementOptions options{config_.max_keyframes, config_.min_keyframes, config_.max_residuals};
+  const KeyframeRetirementOptions options{config_.max_keyframes, config_.min_keyframes, config_.max_residuals,
+                                          config_.max_residuals_blurred, config_.long_blur_px};
   std::vector<KeyframeId> ids;
   for (const int i : keyframesToRetire(state_, options)) ids.push_back(state_.keyframe(i).id);
   return ids;
@@ -234,6 +243,10 @@ void Window::addResidualsTo(KeyframeId target) {
 bool Window::alignNewest() {
   impl_->pairs_.clear();
   return mba_vo::alignNewest(impl_->state_, impl_->residual_options_);
+}
+
+std::optional<KeyframeMotion> Window::align(const WindowKeyframe& frame) const {
+  return alignFrame(impl_->state_, impl_->stateOf(frame), impl_->residual_options_);
 }
 
 WindowSummary Window::optimize(int max_iterations) {

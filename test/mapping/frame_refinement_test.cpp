@@ -26,9 +26,10 @@ SE3 poseOf(const Mapper& mapper, std::uint64_t sequence) {
 }
 
 /// `expected_error_px`: that the wrong pose is said to have.
-Outcome tellAWrongPose(const MapperConfig& config, double expected_error_px) {
+Outcome tellAWrongPose(const MapperConfig& config, double expected_error_px,
+                       const std::vector<FrameConstPtr>& images = frames()) {
   Mapper mapper(config);
-  Follower follower(mapper);
+  Follower follower(mapper, images);
   follower.toNextKeyframe();
   follower.toNextKeyframe();
   follower.step();
@@ -41,7 +42,7 @@ Outcome tellAWrongPose(const MapperConfig& config, double expected_error_px) {
   wrong->expected_error = expected_error_px;
   mapper.process(wrong);  // as a frame that was tracked again
   EXPECT_NEAR((right.inverse() * poseOf(mapper, sequence)).log().norm(), kTurn, 1e-6);
-  for (int i = 0; i < 2; ++i) follower.toNextKeyframe();
+  for (int i = 0; i < 2; ++i) EXPECT_NE(follower.toNextKeyframe().keyframe->frame_sequence, sequence);
   while (mapper.doDeferredWork()) {
   }
   mapper.finishDeferredWork();
@@ -56,6 +57,24 @@ TEST(FrameRefinement, CorrectsAFrameBetweenKeyframes) {
 TEST(FrameRefinement, LeavesAFrameThatWasKnownBetter) {
   const Outcome left = tellAWrongPose(config(), 1e-6);
   EXPECT_GT(left.turned, 0.9 * kTurn);
+}
+
+/// With keyframes some three images apart.
+MapperConfig eager() {
+  MapperConfig c = config();
+  c.keyframe.flow_px = c.keyframe.parallax_px = 30.0;
+  c.keyframe.sharp_blur_px = 100.0;
+  return c;
+}
+
+TEST(FrameRefinement, AlignsABlurredFrameWithAllPointsWhereKeyframesComeFast) {
+  constexpr double kExposure = 0.03;  // [s]
+  const std::vector<FrameConstPtr> blurred =
+      toFrames(renderFrames(sequenceConfig(kExposure), 0, kFrames), false, kExposure);
+  const Outcome aligned = tellAWrongPose(eager(), 1e-6, blurred);
+  EXPECT_LT(aligned.turned, 0.1 * kTurn) << "however well it is said to be known: the keyframes know better";
+  const Outcome sharp = tellAWrongPose(eager(), 1e-6);
+  EXPECT_GT(sharp.turned, 0.9 * kTurn);
 }
 
 TEST(FrameRefinement, CanBeSwitchedOff) {

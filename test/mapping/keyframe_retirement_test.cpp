@@ -37,7 +37,7 @@ std::vector<double> evenly(int n) {
   return places;
 }
 
-const KeyframeRetirementOptions kOptions{10, 5, 1000};
+const KeyframeRetirementOptions kOptions{10, 5, 1000, 1000, 25.0};
 
 TEST(KeyframeRetirement, AWindowWithFewResidualsKeepsMoreKeyframes) {
   EXPECT_TRUE(keyframesToRetire(windowOf(evenly(9), 13), kOptions).empty());    // 936 residuals
@@ -54,11 +54,25 @@ TEST(KeyframeRetirement, AWindowWithFewResidualsKeepsMoreKeyframes) {
 
 TEST(KeyframeRetirement, TheOneThatCrowdsTheRestLeavesAndTheNewestTwoStay) {
   const WindowState state = windowOf({0.0, 0.3, 0.6, 0.61, 0.9, 0.91, 1.2}, 0);
-  const std::vector<int> retired = keyframesToRetire(state, {6, 3, 1000});
+  const std::vector<int> retired = keyframesToRetire(state, {6, 3, 1000, 1000, 25.0});
   ASSERT_EQ(retired.size(), 2U);
   EXPECT_TRUE(retired[0] == 2 || retired[0] == 3) << retired[0];
   for (const int i : retired) EXPECT_LT(i, 5);
-  EXPECT_TRUE(keyframesToRetire(windowOf({0.0, 0.1}, 9999), {2, 2, 0}).empty());
+  EXPECT_TRUE(keyframesToRetire(windowOf({0.0, 0.1}, 9999), {2, 2, 0, 0, 25.0}).empty());
+}
+
+TEST(KeyframeRetirement, OnAFastTurnAndForTenKeyframesAfterItMoreStay) {
+  const KeyframeRetirementOptions options{20, 5, 1000, 2000, 25.0};
+  WindowState state = windowOf(evenly(14), 10);  // 1820 residuals
+  EXPECT_EQ(keyframesToRetire(state, options).size(), 4U);
+  state.keyframe(4).blur_length_px = 24.0;
+  EXPECT_EQ(keyframesToRetire(state, options).size(), 4U) << "that is no long blur";
+  state.keyframe(3).blur_length_px = 30.0;
+  EXPECT_EQ(keyframesToRetire(state, options).size(), 4U) << "ten have come since";
+  state.keyframe(4).blur_length_px = 25.0;
+  EXPECT_TRUE(keyframesToRetire(state, options).empty());
+  EXPECT_EQ(keyframesToRetire(state, {20, 5, 2000, 1000, 25.0}).size(), 0U) << "less would be no use";
+  EXPECT_EQ(keyframesToRetire(windowOf(evenly(3), 1), {20, 5, 1000, 2000, 0.0}).size(), 0U);
 }
 
 }  // namespace

@@ -168,6 +168,44 @@ TEST(MotionAlignment, FindsPoseAndMotionOfABlurredKeyframe) {
   }
 }
 
+/// The newest keyframe taken out of the window, as a frame: told wrong, as in errorsAfterAlignment.
+KeyframeState asFrame(Rendered& rendered, Random& random) {
+  KeyframeState frame = rendered.state.keyframes.back();
+  rendered.state.keyframes.pop_back();
+  for (PointState& point : rendered.state.points) point.residuals.clear();
+  frame.image_xi.setZero();
+  frame.expected_xi = frame.xi;
+  frame.xi += random.tangent(0.004, 0.004);
+  frame.T_linear = frame.T_linear * SE3::exp(random.tangent(0.01, 0.004));
+  return frame;
+}
+
+TEST(MotionAlignment, FindsPoseAndMotionOfAFrameThatIsNoKeyframe) {
+  Random random(5);
+  for (int trial = 0; trial < 4; ++trial) {
+    Rendered rendered(longBlur());
+    const KeyframeState frame = asFrame(rendered, random);
+    const auto found = alignFrame(rendered.state, frame, ResidualOptions());
+    ASSERT_TRUE(found.has_value());
+    const Vector6 error = (rendered.truth.T_map_keyframe.inverse() * found->T_map_keyframe).log();
+    EXPECT_LT(error.head<3>().norm(), 2e-3) << trial;
+    EXPECT_LT(error.tail<3>().norm(), 1e-3) << trial;
+    EXPECT_LT((found->xi - rendered.truth.xi).tail<3>().norm(), 4e-3) << trial;
+    EXPECT_EQ(rendered.state.size(), Rendered::kKeyframes - 1);
+  }
+}
+
+TEST(MotionAlignment, LeavesASharpFrameAndOneThatSeesNothing) {
+  Random random(6);
+  Rendered rendered(longBlur());
+  KeyframeState frame = asFrame(rendered, random);
+  KeyframeState sharp = frame;
+  sharp.xi.setZero();
+  EXPECT_FALSE(alignFrame(rendered.state, sharp, ResidualOptions()).has_value());
+  frame.T_linear = SE3::exp((Vector6() << 0, 0, 0, 0, M_PI, 0).finished());
+  EXPECT_FALSE(alignFrame(rendered.state, frame, ResidualOptions()).has_value());
+}
+
 TEST(MotionAlignment, LeavesASharpKeyframeAndOneThatSeesNothing) {
   Rendered sharp(Vector6::Zero());
   EXPECT_FALSE(alignNewest(sharp.state, ResidualOptions()));

@@ -11,21 +11,22 @@ constexpr std::int64_t kInterval = 74'000'000;  // [ns]
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
-TEST(PlaceBetween, IsExactForConstantVelocityAndAtTheEnds) {
+TEST(WaypointBetween, IsExactForConstantVelocityAndAtTheEnds) {
   test::Random random(1);
   for (int trial = 0; trial < 20; ++trial) {
     const SE3 start = random.pose(1.0, 1.0);
     const Vector6 v = random.tangent(1.0, 3.0);
     const auto at = [&](std::int64_t ns) { return Waypoint{ns, start * SE3::exp(seconds(ns) * v), v}; };
     for (const std::int64_t ns : {0L, 20'000'000L, 37'000'000L, kInterval}) {
-      const SE3 place = placeBetween(at(0), at(kInterval), ns);
-      EXPECT_LT((place.inverse() * at(ns).T_map_camera).log().norm(), 1e-12);
+      const Waypoint place = waypointBetween(at(0), at(kInterval), ns);
+      EXPECT_LT((place.T_map_camera.inverse() * at(ns).T_map_camera).log().norm(), 1e-12);
+      EXPECT_LT((place.velocity - v).norm(), 1e-12);
     }
   }
 }
 
 // A body that turns by 5 degrees an image and changes that by half: integrated in small steps.
-TEST(PlaceBetween, FollowsAConstantAcceleration) {
+TEST(WaypointBetween, FollowsAConstantAcceleration) {
   const Vector6 v = (Vector6() << 0.4, -0.2, 0.6, 2.3, 0.5, -0.4).finished();
   const Vector6 a = (Vector6() << 3.0, 1.0, -2.0, 16.0, -10.0, 5.0).finished();
   constexpr std::int64_t kStep = 10'000;  // [ns]
@@ -38,13 +39,15 @@ TEST(PlaceBetween, FollowsAConstantAcceleration) {
   }
   after.mid_exposure_ns = kInterval;
   after.velocity = v + seconds(kInterval) * a;
-  const Vector6 error = (middle.inverse() * placeBetween(before, after, kInterval / 2)).log();
+  const Vector6 error = (middle.inverse() * waypointBetween(before, after, kInterval / 2).T_map_camera).log();
   EXPECT_LT(error.head<3>().norm(), 3e-5);  // constant velocity from the first on: 2.6e-3 m
   EXPECT_LT(error.tail<3>().norm(), 3e-4);  // 0.013 rad
+  const Vector6 velocity = waypointBetween(before, after, kInterval / 2).velocity;
+  EXPECT_LT((velocity - (v + 0.5 * seconds(kInterval) * a)).norm(), 1e-9);
   // With an error of the velocities of 0.1 m/s on both sides, an eighth of the interval of it.
   before.velocity(0) += 0.1;
   after.velocity(0) -= 0.1;
-  const Vector6 disturbed = (middle.inverse() * placeBetween(before, after, kInterval / 2)).log();
+  const Vector6 disturbed = (middle.inverse() * waypointBetween(before, after, kInterval / 2).T_map_camera).log();
   EXPECT_NEAR(disturbed(0) - error(0), 0.25 * seconds(kInterval) * 0.1, 2e-4);
 }
 

@@ -33,7 +33,7 @@ class DeferredTracking {
  private:
   bool hasFramesBefore() const { return backward_ && !backward_->done(); }
   void trackBackwards(TrajectoryStore& store);
-  void refine(TrajectoryStore& store);
+  void refine(const LocalMap& map, TrajectoryStore& store);
 
   MapperConfig config_;
   std::optional<BackwardTracking> backward_;

@@ -13,7 +13,7 @@ namespace mba_vo {
 /// exposure is unknown or instantaneous, unless the shutter rolls.
 std::optional<Vector6> measuredVelocity(const TrackedFrame& frame);
 
-/// Velocity during an exposure, mostly by the poses of the frames before and after it. A blurred image compared with a
+/// Velocity during an exposure, by the poses of the frames before and after it. A blurred image compared with a
 /// blurred reference tells only by how much more the one is blurred than the other: a reference's error goes over to
 /// the motion measured in the next frame, and from there to the next reference. The poses at mid-exposure, which hardly
 /// depend on the blur, hold that back.

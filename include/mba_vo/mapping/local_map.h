@@ -61,6 +61,9 @@ class LocalMap {
   const FrameConstPtr& frame(KeyframeId keyframe) const { return keyframes_.at(keyframe).frame; }
 
   SE3 T_map_camera(const TrackedFrame& tracked) const;
+  /// Pose and motion of a blurred frame by all points of the window, from where it was tracked, relative to the same
+  /// keyframe. nullopt if they do not tell.
+  std::optional<ExposureTrajectory> align(const TrackedFrame& tracked) const;
 
   /// Snapshot for the tracker about one keyframe of the window.
   std::shared_ptr<Reference> makeReference(KeyframeId keyframe, const std::string& doubt = {});
@@ -77,8 +80,7 @@ class LocalMap {
     std::vector<ImmaturePoint> immature;
   };
 
-  void addKeyframe(const FrameConstPtr& frame, const SE3& T_map_keyframe, const Vector6& velocity,
-                   const AffineBrightness& brightness);
+  void addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe);
   const PinholeCamera& cameraOf(KeyframeId keyframe) const { return keyframes_.at(keyframe).image->level(0).camera; }
   void activatePoints();
   void alignBlurred(double blur_length_px);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "mba_vo/mapping/photometric_residual.h"
@@ -8,14 +9,7 @@
 
 namespace mba_vo {
 
-/// What MotionAlignment estimates of a keyframe.
-struct KeyframeMotion {
-  SE3 T_map_keyframe;
-  AffineBrightness brightness;
-  Vector6 xi = Vector6::Zero();  // motion within its exposure, camera frame [m, rad]
-};
-
-/// Aligns one keyframe of a window, as a target, with the points that it sees, all else fixed: pose, brightness and the
+/// Aligns one image, as a target, with the points of a window that it sees, all else fixed: pose, brightness and the
 /// motion within its exposure. That motion came from the poses of the frames around, which are poor on fast turns, and
 /// a blurred image compared with a wrong blur gives a wrong pose. What those frames say of it is the prior. This is the
 /// problem as `minimize` wants it.
@@ -23,10 +17,13 @@ class MotionAlignment {
  public:
   static constexpr int kStates = 14;  // right increment of the pose, a, b, xi
 
-  /// `target`: index of the keyframe. `state` and `options` must outlive the object.
+  /// A keyframe of the window, by its index, with the points that have a residual there. `state` and `options` must
+  /// outlive the object.
   MotionAlignment(const WindowState& state, int target, const ResidualOptions& options);
+  /// A frame that is no keyframe, with all points. `frame` must outlive the object, too.
+  MotionAlignment(const WindowState& state, const KeyframeState& frame, const ResidualOptions& options);
 
-  /// The keyframe sees too few points to tell anything.
+  /// The image shows too few points to tell anything.
   bool isStarving() const;
   KeyframeMotion initial() const;
 
@@ -42,6 +39,10 @@ class MotionAlignment {
     const PointState* point;
     PatchResidual residual;  // its energy is that at the beginning, truncated
   };
+  MotionAlignment(const WindowState& state, const KeyframeState& target, std::vector<Patch> patches,
+                  const ResidualOptions& options);
+  static std::vector<Patch> patchesInto(const WindowState& state, int target);
+  static std::vector<Patch> patchesOfAll(const WindowState& state);
   KeyframeState with(const KeyframeMotion& motion) const;
   /// Leaves out what cannot be seen at the beginning, or would be too much.
   void choosePatches();
@@ -52,7 +53,7 @@ class MotionAlignment {
   void addPrior(const KeyframeMotion& motion, NormalEquations<kStates>& equations) const;
 
   const WindowState& state_;
-  int target_;
+  const KeyframeState& target_;
   const ResidualOptions& options_;
   double focal_length_ = 1.0;          // [px]
   double median_inverse_depth_ = 1.0;  // [1/m]
@@ -62,5 +63,9 @@ class MotionAlignment {
 /// Aligns the newest keyframe, which must not host any points. Returns whether anything has changed. A sharp one is
 /// left as it is.
 bool alignNewest(WindowState& state, const ResidualOptions& options);
+
+/// Aligns a frame that is no keyframe. nullopt if it is sharp, sees too few points, or nothing better is found.
+std::optional<KeyframeMotion> alignFrame(const WindowState& state, const KeyframeState& frame,
+                                         const ResidualOptions& options);
 
 }  // namespace mba_vo

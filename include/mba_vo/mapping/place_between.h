@@ -13,9 +13,9 @@ struct Waypoint {
   Vector6 velocity = Vector6::Zero();  // [m/s, rad/s, body frame]
 };
 
-/// Where the camera was at a time between two waypoints. Exact for a constant acceleration that takes the one's
-/// velocity to the other's, up to what turns of a few degrees between them make of it.
-SE3 placeBetween(const Waypoint& before, const Waypoint& after, std::int64_t mid_exposure_ns);
+/// The camera at a time between two waypoints. Exact for a constant acceleration that takes the one's velocity to the
+/// other's, up to what turns of a few degrees between them make of it.
+Waypoint waypointBetween(const Waypoint& before, const Waypoint& after, std::int64_t mid_exposure_ns);
 
 /// The mean of two measurements of a pose, weighed by what is known of each, to first order in their difference.
 /// `covariance`: of the right increment of T; `sigma`: standard deviations of that of T_other.

@@ -18,9 +18,11 @@ struct CalibrationSystem;
 
 /// Options of the windowed photometric bundle adjustment.
 struct WindowConfig {
-  int max_keyframes = 13;
+  int max_keyframes = 30;
   int min_keyframes = 7;
   int max_residuals = 5000;
+  int max_residuals_blurred = 20000;
+  double long_blur_px = 25.0;
   int max_points = 1600;
   int max_iterations = 4;
   double huber_threshold = 9.0;
@@ -33,9 +35,12 @@ struct WindowConfig {
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
-    v("max_keyframes", c.max_keyframes, 3, 30, "keyframes in the window, at most");
-    v("min_keyframes", c.min_keyframes, 3, 30, "keyframes in the window, however many residuals there are");
+    v("max_keyframes", c.max_keyframes, 3, 100, "keyframes in the window, at most");
+    v("min_keyframes", c.min_keyframes, 3, 100, "keyframes in the window, however many residuals there are");
     v("max_residuals", c.max_residuals, 0, 1000000, "residuals in a window of more than min_keyframes");
+    v("max_residuals_blurred", c.max_residuals_blurred, 0, 1000000,
+      "the same, where one of the newest keyframes has a long blur");
+    v("long_blur_px", c.long_blur_px, 0.0, 1000.0, "blur of a keyframe that counts as long [px]");
     v("max_points", c.max_points, 100, 20000, "active points in the window");
     v("max_iterations", c.max_iterations, 1, 50, "iterations of the bundle adjustment per keyframe");
     v("huber_threshold", c.huber_threshold, 0.1, 255.0, "largest Huber threshold of the residual [grey levels]");
@@ -63,7 +68,15 @@ struct WindowKeyframe {
   Vector6 image_xi = Vector6::Zero();  // motion blur left in `sharp`, 0 = none [m, rad]
   AffineBrightness brightness;
   Vector6 velocity = Vector6::Zero();  // while the rows of a rolling shutter are read [m/s, rad/s]
+  double blur_length_px = 0.0;         // median over the points it sees
   CalibrationCorrection correction{};  // of the calibration, that the images were made with
+};
+
+/// What the alignment of a blurred image with the points of a window finds.
+struct KeyframeMotion {
+  SE3 T_map_keyframe;
+  AffineBrightness brightness;
+  Vector6 xi = Vector6::Zero();  // motion within its exposure, camera frame [m, rad]
 };
 
 /// State of one active point, for callers.
@@ -121,6 +134,9 @@ class Window {
   /// Estimates the newest keyframe, which hosts no points yet, by the points it sees: its pose and brightness and the
   /// motion within its exposure, which `optimize` does not change. Returns whether anything has changed.
   bool alignNewest();
+  /// Estimates the same of a frame that is no keyframe, by all points, from what it says of itself. nullopt if it is
+  /// sharp, sees too few of them, or nothing better is found.
+  std::optional<KeyframeMotion> align(const WindowKeyframe& frame) const;
 
   /// Levenberg-Marquardt on all states; re-classifies residuals as inliers and outliers; drops points left without any.
   WindowSummary optimize(int max_iterations);
