@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "mba_vo/mapping/local_map.h"
+#include "mba_vo/mapping/motion_alignment.h"
 #include "mba_vo/mapping/place_between.h"
 #include "mba_vo/tracking/frame_measures.h"
 
@@ -17,10 +18,17 @@ constexpr std::size_t kMaxFrames = 24;  // that wait, or are to be tracked: each
 constexpr double kLinearError = 0.005;  // [median depths/s] times the time between them
 constexpr double kAngularError = 0.01;  // [rad/s]
 
+constexpr double kContradiction = 36.0;  // squared disagreement with it from which a pose is doubtful
+
 double secondsBetween(std::int64_t from_ns, std::int64_t to_ns) { return 1e-9 * static_cast<double>(to_ns - from_ns); }
 
 Waypoint waypointOf(const Reference& keyframe) {
   return {keyframe.mid_exposure_ns, keyframe.T_map_reference, keyframe.velocity};
+}
+
+/// Of a keyframe's points within its exposure, median [px].
+double blurOf(const Reference& keyframe) {
+  return measureFrame(keyframe, {SE3(), keyframe.velocity, keyframe.exposure.value_or(0.0)}).blur_length_px;
 }
 
 template <typename T>
@@ -75,23 +83,31 @@ FrameRefinement::Job FrameRefinement::jobFor(const TrackedFrameConstPtr& tracked
   Job best;
   double least_need = 0.0;
   for (const ReferenceConstPtr& reference : references) {
-    Job job{tracked, reference, tracked->trajectory, std::nullopt, 0.0};
+    Job job{tracked, reference, tracked->trajectory, std::nullopt};
     job.first.T_reference_mid = reference->T_map_reference.inverse() * T_map_camera;
     const double need = policy_.need(*reference, measureFrame(*reference, job.first), tracked->brightness);
     if (best.reference && need >= least_need) continue;
     least_need = need;
     best = std::move(job);
   }
-  const Reference& after = *references.front();
-  const Reference& before = *references.back();
-  const std::int64_t ns = tracked->frame->mid_exposure_ns;
-  best.interval = secondsBetween(before.mid_exposure_ns, after.mid_exposure_ns);
-  if (before.mid_exposure_ns < ns && ns < after.mid_exposure_ns && best.interval < 2.0 * kLongestPrediction) {
-    const Waypoint there = waypointBetween(waypointOf(before), waypointOf(after), ns);
-    best.between = {best.reference->T_map_reference.inverse() * there.T_map_camera, there.velocity,
-                    tracked->trajectory.exposure};
-  }
+  best.between = between(*references.back(), *references.front(), best);
   return best;
+}
+
+std::optional<FrameRefinement::Between> FrameRefinement::between(const Reference& before, const Reference& after,
+                                                                 const Job& job) {
+  const std::int64_t ns = job.tracked->frame->mid_exposure_ns;
+  const double interval = secondsBetween(before.mid_exposure_ns, after.mid_exposure_ns);
+  const bool lies_between = before.mid_exposure_ns < ns && ns < after.mid_exposure_ns;
+  if (!lies_between || interval >= 2.0 * kLongestPrediction) return std::nullopt;
+  const Waypoint there = waypointBetween(waypointOf(before), waypointOf(after), ns);
+  Between result;
+  result.trajectory = {job.reference->T_map_reference.inverse() * there.T_map_camera, there.velocity,
+                       job.tracked->trajectory.exposure};
+  result.sigma.head<3>().setConstant(kLinearError * interval * medianDepth(*job.reference));
+  result.sigma.tail<3>().setConstant(kAngularError * interval);
+  result.on_fast_turn = interval < kLongestPrediction && std::max(blurOf(before), blurOf(after)) >= kLongBlur;
+  return result;
 }
 
 /// From a frame that is left as it was.
@@ -112,14 +128,6 @@ TrackingGuess FrameRefinement::guessFor(const Job& job) const {
   return guess;
 }
 
-void FrameRefinement::hold(const Job& job, TrackedFrame& refined) {
-  if (!job.between) return;
-  Vector6 sigma = Vector6::Constant(kAngularError * job.interval);
-  sigma.head<3>().setConstant(kLinearError * job.interval * medianDepth(*job.reference));
-  SE3& T_reference_mid = refined.trajectory.T_reference_mid;
-  T_reference_mid = weighedMean(T_reference_mid, refined.covariance.topLeftCorner<6, 6>(), job.between->T_reference_mid, sigma);
-}
-
 void FrameRefinement::changeReference(const ReferenceConstPtr& reference) {
   const auto pose = reference->T_map_keyframe.find(reference_->id.keyframe_id);
   const bool in_window = pose != reference->T_map_keyframe.end();
@@ -128,15 +136,21 @@ void FrameRefinement::changeReference(const ReferenceConstPtr& reference) {
   reference_ = reference;
 }
 
-/// From where the keyframes say that it was: where it was tracked may be far off.
-std::optional<TrackedFrame> FrameRefinement::align(const Job& job, const LocalMap& map) {
-  if (!job.between || job.interval > kLongestPrediction) return std::nullopt;
-  TrackedFrame frame = *job.tracked;
+std::optional<TrackedFrame> FrameRefinement::doubted(const Job& job, const TrackedFrame& known, const LocalMap& map) {
+  if (!job.between || !job.between->on_fast_turn) return std::nullopt;
+  const auto disagreement = [&](const TrackedFrame& frame) {
+    return squaredDisagreement(frame.trajectory.T_reference_mid, frame.covariance.topLeftCorner<6, 6>(),
+                               job.between->trajectory.T_reference_mid, job.between->sigma);
+  };
+  const double doubt = disagreement(known);
+  if (doubt < kContradiction) return std::nullopt;
+  TrackedFrame frame = known;
   frame.reference = job.reference->id;
-  frame.trajectory = *job.between;
+  frame.trajectory = job.between->trajectory;
   const std::optional<ExposureTrajectory> found = map.align(frame);
   if (!found) return std::nullopt;
   frame.trajectory = *found;
+  if (disagreement(frame) >= doubt) return std::nullopt;
   return frame;
 }
 
@@ -145,7 +159,11 @@ std::optional<TrackedFrame> FrameRefinement::track(const Job& job) const {
   // Some points that it was tracked by may have left the window.
   const bool better = refined.expected_error <= kTolerance * job.tracked->expected_error;
   if (refined.status != TrackingStatus::kTracking || !better) return std::nullopt;
-  hold(job, refined);
+  if (job.between) {
+    SE3& T_reference_mid = refined.trajectory.T_reference_mid;
+    T_reference_mid = weighedMean(T_reference_mid, refined.covariance.topLeftCorner<6, 6>(),
+                                  job.between->trajectory.T_reference_mid, job.between->sigma);
+  }
   return refined;
 }
 
@@ -158,8 +176,10 @@ std::optional<TrackedFrame> FrameRefinement::next(const LocalMap& map) {
     return std::nullopt;
   }
   if (reference_ != job.reference) changeReference(job.reference);
-  std::optional<TrackedFrame> refined = align(job, map);
-  if (!refined) refined = track(job);
+  std::optional<TrackedFrame> refined = track(job);
+  TrackedFrame known = refined.value_or(*job.tracked);
+  if (!refined) known.trajectory = job.first;
+  if (std::optional<TrackedFrame> better = doubted(job, known, map)) refined = std::move(better);
   if (!refined) {
     goOnFrom(job);
     return std::nullopt;

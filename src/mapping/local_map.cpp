@@ -8,14 +8,13 @@
 #include "mba_vo/image/parallel_for.h"
 #include "mba_vo/image/point_selector.h"
 #include "mba_vo/mapping/freed_memory.h"
+#include "mba_vo/mapping/motion_alignment.h"
 #include "mba_vo/mapping/point_activator.h"
 
 namespace mba_vo {
 namespace {
 
 constexpr int kCalibrationKeyframes = 4;  // least number in a window that tells about the calibration
-
-constexpr double kLongBlur = 15.0;  // [px] with which an error of the motion does harm; it is more likely, too
 
 constexpr std::uint64_t kSlopeStride = 2;  // a point's slope is updated with every so many keyframes
 

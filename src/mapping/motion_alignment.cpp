@@ -113,9 +113,7 @@ void MotionAlignment::choosePatches() {
 
 bool MotionAlignment::isStarving() const { return patches_.size() < kLeastPatches; }
 
-KeyframeMotion MotionAlignment::initial() const {
-  return {target_.T_map_keyframe(), target_.brightness(), target_.xi};
-}
+KeyframeMotion MotionAlignment::initial() const { return {target_.T_map_keyframe(), target_.brightness(), target_.xi}; }
 
 KeyframeState MotionAlignment::with(const KeyframeMotion& motion) const {
   KeyframeState keyframe = target_;

@@ -7,6 +7,11 @@ namespace {
 
 double secondsBetween(std::int64_t from_ns, std::int64_t to_ns) { return 1e-9 * static_cast<double>(to_ns - from_ns); }
 
+Matrix6 covarianceOfDifference(Matrix6 covariance, const Vector6& sigma) {
+  covariance.diagonal() += sigma.cwiseAbs2();
+  return covariance;
+}
+
 }  // namespace
 
 Waypoint waypointBetween(const Waypoint& before, const Waypoint& after, std::int64_t mid_exposure_ns) {
@@ -21,10 +26,14 @@ Waypoint waypointBetween(const Waypoint& before, const Waypoint& after, std::int
   return {mid_exposure_ns, T_map_camera, (1.0 - s) * before.velocity + s * after.velocity};
 }
 
+double squaredDisagreement(const SE3& T, const Matrix6& covariance, const SE3& T_other, const Vector6& sigma) {
+  const Vector6 difference = (T.inverse() * T_other).log();
+  return difference.dot(covarianceOfDifference(covariance, sigma).ldlt().solve(difference));
+}
+
 SE3 weighedMean(const SE3& T, const Matrix6& covariance, const SE3& T_other, const Vector6& sigma) {
-  Matrix6 sum = covariance;
-  sum.diagonal() += sigma.cwiseAbs2();
-  return T * SE3::exp(covariance * sum.ldlt().solve((T.inverse() * T_other).log()));
+  const Vector6 difference = (T.inverse() * T_other).log();
+  return T * SE3::exp(covariance * covarianceOfDifference(covariance, sigma).ldlt().solve(difference));
 }
 
 }  // namespace mba_vo

@@ -14,9 +14,9 @@ namespace mba_vo {
 class LocalMap;
 
 /// Tracks the frames between keyframes once more, for the trajectory: when the window has been optimised with a second
-/// keyframe after them. When they came, parts of what they see had no depths, or poor ones. Where keyframes come fast,
-/// as on fast turns, they are aligned with all points of the window, each in its own host: one keyframe, blurred itself,
-/// may tell too little.
+/// keyframe after them. When they came, parts of what they see had no depths, or poor ones. Where a pose
+/// contradicts the keyframes on both sides all the same, as on fast turns, the frame is aligned with all points of the
+/// window, each in its own host: one keyframe, blurred itself, may tell too little.
 class FrameRefinement {
  public:
   explicit FrameRefinement(const MapperConfig& config);
@@ -35,25 +35,30 @@ class FrameRefinement {
   std::optional<TrackedFrame> next(const LocalMap& map);
 
  private:
+  /// What the keyframes before and after a frame say of it.
+  struct Between {
+    ExposureTrajectory trajectory;  // relative to the reference of the job
+    Vector6 sigma;                  // standard deviations of the increment of its pose [m, rad]
+    bool on_fast_turn = false;
+  };
   struct Job {
     TrackedFrameConstPtr tracked;
     ReferenceConstPtr reference;
-    ExposureTrajectory first;                   // as it was tracked, relative to the reference
-    std::optional<ExposureTrajectory> between;  // as the keyframes before and after it say, relative to the reference
-    double interval = 0.0;                      // between these [s]
+    ExposureTrajectory first;  // as it was tracked, relative to the reference
+    std::optional<Between> between;
   };
 
   void prepareUntil(LocalMap& map, KeyframeId last);
+  static std::optional<Between> between(const Reference& before, const Reference& after, const Job& job);
   Job jobFor(const TrackedFrameConstPtr& tracked, const SE3& T_map_camera,
              const std::vector<ReferenceConstPtr>& references) const;
   void goOnFrom(const Job& job);
   /// Goes on with what tells of this keyframe.
   void changeReference(const ReferenceConstPtr& reference);
-  static std::optional<TrackedFrame> align(const Job& job, const LocalMap& map);
   std::optional<TrackedFrame> track(const Job& job) const;
   TrackingGuess guessFor(const Job& job) const;
-  /// Weighs the pose with what the keyframes before and after say.
-  static void hold(const Job& job, TrackedFrame& refined);
+  /// The frame as keyframes that are near say, if on a fast turn these contradict what is known of it.
+  static std::optional<TrackedFrame> doubted(const Job& job, const TrackedFrame& known, const LocalMap& map);
 
   Tracker tracker_;
   KeyframePolicy policy_;

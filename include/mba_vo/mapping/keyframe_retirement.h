@@ -16,8 +16,8 @@ struct KeyframeRetirementOptions {
 
 /// Which keyframes should leave now: those that crowd the rest, s_i = sqrt(d(i, newest)) sum_j 1 / d(i, j) (DSO, Sec.
 /// 3.1). The two newest always stay. Where points are few, as on fast turns, the window has more keyframes for the same
-/// work; and those of which the newest sees nothing may stay, unlike DSO's: the camera often turns back. A keyframe with a
-/// long blur says little of where it is: what a turn begins with must be in the window with what it ends with.
+/// work; and those of which the newest sees nothing may stay, unlike DSO's: the camera often turns back. A keyframe
+/// with a long blur says little of where it is: what a turn begins with must be in the window with what it ends with.
 std::vector<int> keyframesToRetire(const WindowState& state, const KeyframeRetirementOptions& options);
 
 }  // namespace mba_vo

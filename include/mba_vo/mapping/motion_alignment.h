@@ -9,6 +9,9 @@
 
 namespace mba_vo {
 
+/// Blur with which an error of the motion within the exposure does harm; it is more likely, too [px].
+inline constexpr double kLongBlur = 15.0;
+
 /// Aligns one image, as a target, with the points of a window that it sees, all else fixed: pose, brightness and the
 /// motion within its exposure. That motion came from the poses of the frames around, which are poor on fast turns, and
 /// a blurred image compared with a wrong blur gives a wrong pose. What those frames say of it is the prior. This is the

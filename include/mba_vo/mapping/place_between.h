@@ -17,6 +17,10 @@ struct Waypoint {
 /// other's, up to what turns of a few degrees between them make of it.
 Waypoint waypointBetween(const Waypoint& before, const Waypoint& after, std::int64_t mid_exposure_ns);
 
+/// By how many standard deviations of their difference two measurements of a pose differ, squared; six for those that
+/// are as good as they are said to be. Arguments as of weighedMean.
+double squaredDisagreement(const SE3& T, const Matrix6& covariance, const SE3& T_other, const Vector6& sigma);
+
 /// The mean of two measurements of a pose, weighed by what is known of each, to first order in their difference.
 /// `covariance`: of the right increment of T; `sigma`: standard deviations of that of T_other.
 SE3 weighedMean(const SE3& T, const Matrix6& covariance, const SE3& T_other, const Vector6& sigma);

@@ -33,7 +33,7 @@ struct KeyframeState {
   SE3 T_linear;
   AffineBrightness brightness_linear;
   Vector8 delta = Vector8::Zero();
-  double blur_length_px = 0.0;            // as it was tracked
+  double blur_length_px = 0.0;  // as it was tracked
   double outlier_energy = 0.0;  // a residual into this keyframe with more energy than this is an outlier [spread^2]
   float huber_threshold = std::numeric_limits<float>::infinity();  // of residuals into it, if below the options'
   float precision = 1.0F;  // of residuals into it: one over their squared spread [1 / grey level^2]
