@@ -20,6 +20,8 @@ constexpr std::uint64_t kSlopeStride = 2;  // a point's slope is updated with ev
 
 constexpr int kDeparturesPerReturn = 8;  // of keyframes, until the memory they leave is given back
 
+constexpr int kHostsSearched = 5;  // the newest: what an older one has not found by then is out of sight
+
 constexpr std::size_t kPointsPerSearch = 64;  // in one piece of parallel work
 
 using Clock = std::chrono::steady_clock;
@@ -91,7 +93,10 @@ void LocalMap::addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe) 
 void LocalMap::searchDepths(const TrackedFrame& tracked) {
   const Clock::time_point begin = Clock::now();
   const SE3 T_map_frame = T_map_camera(tracked);
-  for (auto& [id, host] : keyframes_) {
+  const auto hosts = std::min<std::ptrdiff_t>(kHostsSearched, std::distance(keyframes_.begin(), keyframes_.end()));
+  for (auto keyframe = std::prev(keyframes_.end(), hosts); keyframe != keyframes_.end(); ++keyframe) {
+    const KeyframeId id = keyframe->first;
+    HostKeyframe& host = keyframe->second;
     ExposureTrajectory in_host = tracked.trajectory;
     in_host.T_reference_mid = window_.T_map_keyframe(id).inverse() * T_map_frame;
     const AffineBrightness host_brightness = window_.brightness(id);
