@@ -53,7 +53,7 @@ void FrameRefinement::add(const TrackedFrameConstPtr& tracked) {
 }
 
 void FrameRefinement::update(LocalMap& map) {
-  if (map.newestKeyframe() > 0) prepareUntil(map, map.newestKeyframe() - 1);
+  if (const auto before = map.keyframeBefore(map.newestKeyframe())) prepareUntil(map, *before);
 }
 
 void FrameRefinement::finish(LocalMap& map) { prepareUntil(map, map.newestKeyframe()); }
@@ -67,9 +67,8 @@ void FrameRefinement::reset() {
 /// The frames up to that keyframe are to be tracked against it, or the one before, whichever shows more of what they
 /// see.
 void FrameRefinement::prepareUntil(LocalMap& map, KeyframeId last) {
-  if (!map.has(last)) return;
   std::vector<ReferenceConstPtr> references = {map.makeReference(last)};
-  if (last > 0 && map.has(last - 1)) references.push_back(map.makeReference(last - 1));
+  if (const auto before = map.keyframeBefore(last)) references.push_back(map.makeReference(*before));
   const std::int64_t end_ns = references.front()->mid_exposure_ns;
   while (!waiting_.empty() && waiting_.front()->frame->mid_exposure_ns <= end_ns) {
     jobs_.push_back(jobFor(waiting_.front(), map.T_map_camera(*waiting_.front()), references));

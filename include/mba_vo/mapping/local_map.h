@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -43,6 +45,12 @@ class LocalMap {
   bool has(KeyframeId keyframe) const { return keyframes_.count(keyframe) > 0; }
   KeyframeId oldestKeyframe() const { return keyframes_.begin()->first; }
   KeyframeId newestKeyframe() const { return keyframes_.rbegin()->first; }
+  /// The last one before that is still in the window.
+  std::optional<KeyframeId> keyframeBefore(KeyframeId keyframe) const {
+    const auto next = keyframes_.lower_bound(keyframe);
+    if (next == keyframes_.begin()) return std::nullopt;
+    return std::prev(next)->first;
+  }
 
   /// Refines the depths of all immature points with a tracked frame.
   void searchDepths(const TrackedFrame& tracked);
