@@ -13,6 +13,7 @@
 #include "mba_vo/mapping/window_marginalizer.h"
 #include "mba_vo/mapping/window_optimizer.h"
 #include "mba_vo/mapping/window_point_activation.h"
+#include "mba_vo/mapping/window_points.h"
 
 namespace mba_vo {
 namespace {
@@ -65,8 +66,6 @@ class Window::Impl {
   void marginalizePoints();
   void marginalize(KeyframeId keyframe);
   const std::vector<PairGeometry>& pairs();
-  /// `positions`: of the keyframes' cameras.
-  WindowPoint describe(const PointState& point, const std::vector<Eigen::Vector3d>& positions) const;
 
   WindowConfig config_;
   ResidualOptions residual_options_;
@@ -174,26 +173,6 @@ const std::vector<PairGeometry>& Window::Impl::pairs() {
   return pairs_;
 }
 
-WindowPoint Window::Impl::describe(const PointState& point, const std::vector<Eigen::Vector3d>& positions) const {
-  WindowPoint out;
-  const KeyframeState& host = state_.keyframe(point.host);
-  out.id = point.id;
-  out.host = host.id;
-  out.pixel = point.pixel;
-  out.inverse_depth = point.inverse_depth;
-  out.variance = 1.0 / std::max(point.information, 1e-12);
-  out.visible_in_newest = point.host == state_.size() - 1;
-  const Eigen::Vector3d& position = positions[static_cast<std::size_t>(point.host)];
-  for (const PatchResidual& residual : point.residuals) {
-    if (!state_.isGood(residual)) continue;
-    ++out.good_residuals;
-    const Eigen::Vector3d baseline = positions[static_cast<std::size_t>(residual.target)] - position;
-    out.relative_baseline = std::max(out.relative_baseline, baseline.norm() * point.inverse_depth);
-    out.visible_in_newest = out.visible_in_newest || residual.target == state_.size() - 1;
-  }
-  return out;
-}
-
 Window::Window(const WindowConfig& config, bool /*deterministic*/) : impl_(std::make_unique<Impl>(config)) {}
 Window::~Window() = default;
 
@@ -293,23 +272,11 @@ AffineBrightness Window::brightness(KeyframeId id) const {
   return impl_->state_.keyframe(impl_->state_.indexOf(id)).brightness();
 }
 
-std::vector<WindowPoint> Window::points() const {
-  std::vector<Eigen::Vector3d> positions;
-  for (const KeyframeState& k : impl_->state_.keyframes) positions.push_back(k.T_map_keyframe().translation());
-  std::vector<WindowPoint> points;
-  points.reserve(impl_->state_.points.size());
-  for (const PointState& point : impl_->state_.points) points.push_back(impl_->describe(point, positions));
-  return points;
-}
+std::vector<WindowPoint> Window::points() const { return describePoints(impl_->state_); }
 
 void Window::setSlopes(const std::vector<WindowPoint>& points,
                        const std::function<std::optional<Eigen::Vector2d>(const WindowPoint&)>& slopeOf) {
-  auto state = impl_->state_.points.begin();
-  for (const WindowPoint& point : points) {
-    state = std::find_if(state, impl_->state_.points.end(), [&](const PointState& p) { return p.id == point.id; });
-    if (state == impl_->state_.points.end()) return;
-    if (const auto slope = slopeOf(point)) state->slope = *slope;
-  }
+  mba_vo::setSlopes(impl_->state_, points, slopeOf);
 }
 
 int Window::pointCount() const { return static_cast<int>(impl_->state_.points.size()); }
