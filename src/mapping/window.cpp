@@ -35,6 +35,12 @@ ResidualOptions residualOptions(const WindowConfig& config) {
   return options;
 }
 
+WindowOptimizerOptions optimizerOptions(const WindowConfig& config) {
+  WindowOptimizerOptions options;
+  options.min_relative_decrease = config.min_relative_decrease;
+  return options;
+}
+
 void check(const WindowKeyframe& keyframe, const WindowConfig& config) {
   const std::string name = "window: keyframe " + std::to_string(keyframe.id);
   if (keyframe.sharp == nullptr || keyframe.sharp->levels() == 0) {
@@ -53,7 +59,7 @@ class Window::Impl {
       : config_(config),
         residual_options_(residualOptions(config)),
         linearizer_(residual_options_, config.reblur_targets),
-        optimizer_(linearizer_, config.huber_threshold, WindowOptimizerOptions()),
+        optimizer_(linearizer_, config.huber_threshold, optimizerOptions(config)),
         marginalizer_(linearizer_, WindowMarginalizerOptions()),
         activation_(residual_options_, WindowPointActivationOptions()),
         anchor_(kScaleAnchor) {}

@@ -25,6 +25,7 @@ struct WindowConfig {
   double long_blur_px = 25.0;
   int max_points = 1600;
   int max_iterations = 4;
+  double min_relative_decrease = 0.01;
   double huber_threshold = 9.0;
   bool reblur_targets = true;
   double gradient_constant = 50.0;
@@ -43,6 +44,8 @@ struct WindowConfig {
     v("long_blur_px", c.long_blur_px, 0.0, 1000.0, "blur of a keyframe that counts as long [px]");
     v("max_points", c.max_points, 100, 20000, "active points in the window");
     v("max_iterations", c.max_iterations, 1, 50, "iterations of the bundle adjustment per keyframe");
+    v("min_relative_decrease", c.min_relative_decrease, 0.0, 1.0,
+      "decrease of the cost, relative to it, below which no further iteration follows");
     v("huber_threshold", c.huber_threshold, 0.1, 255.0, "largest Huber threshold of the residual [grey levels]");
     v("reblur_targets", c.reblur_targets, "compare the re-blurred host patch with the target's original image");
     v("gradient_constant", c.gradient_constant, 0.0, 1000.0,
