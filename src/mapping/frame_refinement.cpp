@@ -14,16 +14,33 @@ namespace {
 constexpr double kTolerance = 2.0;      // by which more error may be expected of a pose than before
 constexpr std::size_t kMaxFrames = 24;  // that wait, or are to be tracked: each holds its images
 
-// Expected error of a place between two keyframes, mostly by that of their velocities.
+// Expected error of a place between two keyframes, mostly by changes of the acceleration: hands change that of a turn
+// faster.
 constexpr double kLinearError = 0.005;  // [median depths/s] times the time between them
-constexpr double kAngularError = 0.01;  // [rad/s]
+constexpr double kAngularError = 0.05;  // [rad/s]
 
-constexpr double kContradiction = 36.0;  // squared disagreement with it from which a pose is doubtful
+// Squared disagreement with it from which a pose is doubtful. Where keyframes are sharp, or farther apart, they tell
+// little of what lies between.
+constexpr double kContradiction = 36.0;
+constexpr double kPlainContradiction = 1000.0;
+
+constexpr double kLongestGap = 2.0 * kLongestPrediction;  // [s] between keyframes that tell what lies between
 
 double secondsBetween(std::int64_t from_ns, std::int64_t to_ns) { return 1e-9 * static_cast<double>(to_ns - from_ns); }
 
-Waypoint waypointOf(const Reference& keyframe) {
-  return {keyframe.mid_exposure_ns, keyframe.T_map_reference, keyframe.velocity};
+/// With its velocity by the poses of the keyframes around, if they are near: these have been compared with many others.
+/// That by the frames next to it, and by its blur, cannot tell a turn from a sideways motion where these frames cannot.
+Waypoint waypointByPoses(const LocalMap& map, KeyframeId keyframe) {
+  Waypoint at = map.waypoint(keyframe);
+  const auto before = map.keyframeBefore(keyframe);
+  const auto after = map.keyframeAfter(keyframe);
+  if (!before || !after) return at;
+  const Waypoint first = map.waypoint(*before);
+  const Waypoint last = map.waypoint(*after);
+  const double gap = std::max(secondsBetween(first.mid_exposure_ns, at.mid_exposure_ns),
+                              secondsBetween(at.mid_exposure_ns, last.mid_exposure_ns));
+  if (gap < kLongestGap) at.velocity = velocityByPoses(first, at, last);
+  return at;
 }
 
 /// Of a keyframe's points within its exposure, median [px].
@@ -72,6 +89,7 @@ void FrameRefinement::prepareUntil(LocalMap& map, KeyframeId last) {
   const std::int64_t end_ns = references.front()->mid_exposure_ns;
   while (!waiting_.empty() && waiting_.front()->frame->mid_exposure_ns <= end_ns) {
     jobs_.push_back(jobFor(waiting_.front(), map.T_map_camera(*waiting_.front()), references));
+    jobs_.back().between = between(map, *references.back(), *references.front(), jobs_.back());
     waiting_.pop_front();
   }
   dropOldest(jobs_);
@@ -89,20 +107,21 @@ FrameRefinement::Job FrameRefinement::jobFor(const TrackedFrameConstPtr& tracked
     least_need = need;
     best = std::move(job);
   }
-  best.between = between(*references.back(), *references.front(), best);
   return best;
 }
 
-std::optional<FrameRefinement::Between> FrameRefinement::between(const Reference& before, const Reference& after,
-                                                                 const Job& job) {
+std::optional<FrameRefinement::Between> FrameRefinement::between(const LocalMap& map, const Reference& before,
+                                                                 const Reference& after, const Job& job) {
   const std::int64_t ns = job.tracked->frame->mid_exposure_ns;
   const double interval = secondsBetween(before.mid_exposure_ns, after.mid_exposure_ns);
   const bool lies_between = before.mid_exposure_ns < ns && ns < after.mid_exposure_ns;
-  if (!lies_between || interval >= 2.0 * kLongestPrediction) return std::nullopt;
-  const Waypoint there = waypointBetween(waypointOf(before), waypointOf(after), ns);
+  if (!lies_between || interval >= kLongestGap) return std::nullopt;
+  const KeyframeId first = before.id.keyframe_id;
+  const KeyframeId second = after.id.keyframe_id;
+  const Waypoint there = waypointBetween(waypointByPoses(map, first), waypointByPoses(map, second), ns);
   Between result;
-  result.trajectory = {job.reference->T_map_reference.inverse() * there.T_map_camera, there.velocity,
-                       job.tracked->trajectory.exposure};
+  result.T_reference_mid = job.reference->T_map_reference.inverse() * there.T_map_camera;
+  result.velocity = waypointBetween(map.waypoint(first), map.waypoint(second), ns).velocity;
   result.sigma.head<3>().setConstant(kLinearError * interval * medianDepth(*job.reference));
   result.sigma.tail<3>().setConstant(kAngularError * interval);
   result.on_fast_turn = interval < kLongestPrediction && std::max(blurOf(before), blurOf(after)) >= kLongBlur;
@@ -135,17 +154,23 @@ void FrameRefinement::changeReference(const ReferenceConstPtr& reference) {
   reference_ = reference;
 }
 
-std::optional<TrackedFrame> FrameRefinement::doubted(const Job& job, const TrackedFrame& known, const LocalMap& map) {
-  if (!job.between || !job.between->on_fast_turn) return std::nullopt;
+void FrameRefinement::moveTowards(const Between& between, TrackedFrame& frame) {
+  SE3& T_reference_mid = frame.trajectory.T_reference_mid;
+  T_reference_mid =
+      weighedMean(T_reference_mid, frame.covariance.topLeftCorner<6, 6>(), between.T_reference_mid, between.sigma);
+}
+
+std::optional<TrackedFrame> FrameRefinement::doubted(const Between& between, const TrackedFrame& known,
+                                                     const LocalMap& map) {
   const auto disagreement = [&](const TrackedFrame& frame) {
     return squaredDisagreement(frame.trajectory.T_reference_mid, frame.covariance.topLeftCorner<6, 6>(),
-                               job.between->trajectory.T_reference_mid, job.between->sigma);
+                               between.T_reference_mid, between.sigma);
   };
   const double doubt = disagreement(known);
-  if (doubt < kContradiction) return std::nullopt;
+  if (doubt < (between.on_fast_turn ? kContradiction : kPlainContradiction)) return std::nullopt;
   TrackedFrame frame = known;
-  frame.reference = job.reference->id;
-  frame.trajectory = job.between->trajectory;
+  frame.trajectory.T_reference_mid = between.T_reference_mid;
+  frame.trajectory.velocity = between.velocity;
   const std::optional<ExposureTrajectory> found = map.align(frame);
   if (!found) return std::nullopt;
   frame.trajectory = *found;
@@ -158,11 +183,6 @@ std::optional<TrackedFrame> FrameRefinement::track(const Job& job) const {
   // Some points that it was tracked by may have left the window.
   const bool better = refined.expected_error <= kTolerance * job.tracked->expected_error;
   if (refined.status != TrackingStatus::kTracking || !better) return std::nullopt;
-  if (job.between) {
-    SE3& T_reference_mid = refined.trajectory.T_reference_mid;
-    T_reference_mid = weighedMean(T_reference_mid, refined.covariance.topLeftCorner<6, 6>(),
-                                  job.between->trajectory.T_reference_mid, job.between->sigma);
-  }
   return refined;
 }
 
@@ -176,18 +196,24 @@ std::optional<TrackedFrame> FrameRefinement::next(const LocalMap& map) {
   }
   if (reference_ != job.reference) changeReference(job.reference);
   std::optional<TrackedFrame> refined = track(job);
-  TrackedFrame known = refined.value_or(*job.tracked);
-  if (!refined) known.trajectory = job.first;
-  if (std::optional<TrackedFrame> better = doubted(job, known, map)) refined = std::move(better);
-  if (!refined) {
+  if (!refined && !job.between) {
     goOnFrom(job);
     return std::nullopt;
   }
-  motion_.update(*refined);
+  TrackedFrame result = refined.value_or(*job.tracked);
+  if (!refined) {
+    result.reference = job.reference->id;
+    result.trajectory = job.first;
+  }
+  if (job.between) {
+    if (std::optional<TrackedFrame> better = doubted(*job.between, result, map)) result = std::move(*better);
+    moveTowards(*job.between, result);
+  }
+  motion_.update(result);
   // What was doubtful when it came has been published so.
-  refined->status = job.tracked->status;
-  refined->reason = job.tracked->reason;
-  return refined;
+  result.status = job.tracked->status;
+  result.reason = job.tracked->reason;
+  return result;
 }
 
 }  // namespace mba_vo

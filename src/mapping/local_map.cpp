@@ -257,6 +257,10 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe, const st
   return reference;
 }
 
+Waypoint LocalMap::waypoint(KeyframeId keyframe) const {
+  return {frame(keyframe)->mid_exposure_ns, window_.T_map_keyframe(keyframe), window_.velocity(keyframe)};
+}
+
 MapPoint LocalMap::displayPoint(const WindowPoint& point) const {
   const HostKeyframe& host = keyframes_.at(point.host);
   const ImageLevel& level = host.image->level(0);

@@ -26,6 +26,14 @@ Waypoint waypointBetween(const Waypoint& before, const Waypoint& after, std::int
   return {mid_exposure_ns, T_map_camera, (1.0 - s) * before.velocity + s * after.velocity};
 }
 
+Vector6 velocityByPoses(const Waypoint& before, const Waypoint& at, const Waypoint& after) {
+  const double since = secondsBetween(before.mid_exposure_ns, at.mid_exposure_ns);
+  const double until = secondsBetween(at.mid_exposure_ns, after.mid_exposure_ns);
+  const Vector6 until_here = (before.T_map_camera.inverse() * at.T_map_camera).log() / since;
+  const Vector6 from_here = (at.T_map_camera.inverse() * after.T_map_camera).log() / until;
+  return (until * until_here + since * from_here) / (since + until);
+}
+
 double squaredDisagreement(const SE3& T, const Matrix6& covariance, const SE3& T_other, const Vector6& sigma) {
   const Vector6 difference = (T.inverse() * T_other).log();
   return difference.dot(covarianceOfDifference(covariance, sigma).ldlt().solve(difference));

@@ -51,6 +51,28 @@ TEST(WaypointBetween, FollowsAConstantAcceleration) {
   EXPECT_NEAR(disturbed(0) - error(0), 0.25 * seconds(kInterval) * 0.1, 2e-4);
 }
 
+TEST(VelocityByPoses, IsThatOfAConstantAcceleration) {
+  test::Random random(3);
+  for (int trial = 0; trial < 20; ++trial) {
+    const SE3 start = random.pose(1.0, 1.0);
+    const Vector6 v = random.tangent(1.0, 3.0);
+    Vector6 a = Vector6::Zero();
+    a.head<3>() = random.tangent(5.0, 0.0).head<3>();
+    // The body does not turn where it accelerates: its coordinates are those of the tangent space then.
+    const Vector6 at_rest = (Vector6() << v.head<3>(), Eigen::Vector3d::Zero()).finished();
+    const auto accelerating = [&](std::int64_t ns) {
+      const double t = seconds(ns);
+      return Waypoint{ns, start * SE3::exp(t * at_rest + 0.5 * t * t * a), Vector6::Zero()};
+    };
+    const Vector6 found = velocityByPoses(accelerating(-kInterval), accelerating(0), accelerating(kInterval / 2));
+    EXPECT_LT((found - at_rest).norm(), 1e-9);
+    const auto turning = [&](std::int64_t ns) {
+      return Waypoint{ns, start * SE3::exp(seconds(ns) * v), Vector6::Zero()};
+    };
+    EXPECT_LT((velocityByPoses(turning(-kInterval), turning(0), turning(kInterval / 2)) - v).norm(), 1e-9);
+  }
+}
+
 TEST(WeighedMean, LiesNearerToTheBetterKnownPose) {
   test::Random random(2);
   const SE3 T = random.pose(1.0, 1.0);

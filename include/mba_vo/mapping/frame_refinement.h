@@ -37,8 +37,9 @@ class FrameRefinement {
  private:
   /// What the keyframes before and after a frame say of it.
   struct Between {
-    ExposureTrajectory trajectory;  // relative to the reference of the job
-    Vector6 sigma;                  // standard deviations of the increment of its pose [m, rad]
+    SE3 T_reference_mid;  // relative to the reference of the job
+    Vector6 sigma;        // standard deviations of its increment [m, rad]
+    Vector6 velocity;     // [m/s, rad/s, body frame]
     bool on_fast_turn = false;
   };
   struct Job {
@@ -49,7 +50,8 @@ class FrameRefinement {
   };
 
   void prepareUntil(LocalMap& map, KeyframeId last);
-  static std::optional<Between> between(const Reference& before, const Reference& after, const Job& job);
+  static std::optional<Between> between(const LocalMap& map, const Reference& before, const Reference& after,
+                                        const Job& job);
   Job jobFor(const TrackedFrameConstPtr& tracked, const SE3& T_map_camera,
              const std::vector<ReferenceConstPtr>& references) const;
   void goOnFrom(const Job& job);
@@ -57,8 +59,10 @@ class FrameRefinement {
   void changeReference(const ReferenceConstPtr& reference);
   std::optional<TrackedFrame> track(const Job& job) const;
   TrackingGuess guessFor(const Job& job) const;
-  /// The frame as keyframes that are near say, if on a fast turn these contradict what is known of it.
-  static std::optional<TrackedFrame> doubted(const Job& job, const TrackedFrame& known, const LocalMap& map);
+  /// To where the keyframes on both sides say that it was, as far as they know better.
+  static void moveTowards(const Between& between, TrackedFrame& frame);
+  /// The frame by all points of the window, if the keyframes on both sides contradict what is known of it.
+  static std::optional<TrackedFrame> doubted(const Between& between, const TrackedFrame& known, const LocalMap& map);
 
   Tracker tracker_;
   KeyframePolicy policy_;

@@ -11,6 +11,7 @@
 #include "mba_vo/mapping/calibration_estimator.h"
 #include "mba_vo/mapping/keyframe_report.h"
 #include "mba_vo/mapping/mapper_config.h"
+#include "mba_vo/mapping/place_between.h"
 #include "mba_vo/mapping/surface_slope.h"
 #include "mba_vo/mapping/trajectory_store.h"
 #include "mba_vo/mapping/window.h"
@@ -51,6 +52,13 @@ class LocalMap {
     if (next == keyframes_.begin()) return std::nullopt;
     return std::prev(next)->first;
   }
+  /// The next one that is still in the window.
+  std::optional<KeyframeId> keyframeAfter(KeyframeId keyframe) const {
+    const auto next = keyframes_.upper_bound(keyframe);
+    if (next == keyframes_.end()) return std::nullopt;
+    return next->first;
+  }
+  Waypoint waypoint(KeyframeId keyframe) const;
 
   /// Refines the depths of all immature points with a tracked frame.
   void searchDepths(const TrackedFrame& tracked);

@@ -17,6 +17,9 @@ struct Waypoint {
 /// other's, up to what turns of a few degrees between them make of it.
 Waypoint waypointBetween(const Waypoint& before, const Waypoint& after, std::int64_t mid_exposure_ns);
 
+/// The velocity of the one in the middle by the poses of three: that of a constant acceleration.
+Vector6 velocityByPoses(const Waypoint& before, const Waypoint& at, const Waypoint& after);
+
 /// By how many standard deviations of their difference two measurements of a pose differ, squared; six for those that
 /// are as good as they are said to be. Arguments as of weighedMean.
 double squaredDisagreement(const SE3& T, const Matrix6& covariance, const SE3& T_other, const Vector6& sigma);
