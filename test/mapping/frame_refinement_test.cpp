@@ -25,37 +25,34 @@ SE3 poseOf(const Mapper& mapper, std::uint64_t sequence) {
   return {};
 }
 
-/// `expected_error_px`: that the wrong pose is said to have; `after`: so many keyframes have come since the map began.
-Outcome tellAWrongPose(const MapperConfig& config, double expected_error_px,
-                       const std::vector<FrameConstPtr>& images = frames(), int after = 2, double turn = kTurn) {
+struct WrongPose {
+  double expected_error_px = 1.0;  // that it is said to have
+  double turn = kTurn;             // by which it is wrong [rad]
+  double sigmas = 1.0;             // its standard deviations, over what they were
+  int keyframes_before = 2;        // since the map began
+};
+
+Outcome tellAWrongPose(const MapperConfig& config, const WrongPose& told,
+                       const std::vector<FrameConstPtr>& images = frames()) {
   Mapper mapper(config);
   Follower follower(mapper, images);
-  for (int i = 0; i < after; ++i) follower.toNextKeyframe();
+  for (int i = 0; i < told.keyframes_before; ++i) follower.toNextKeyframe();
   follower.step();
   auto wrong = std::make_shared<TrackedFrame>(follower.track(follower.reference()));
   follower.step();
   const std::uint64_t sequence = wrong->frame->sequence;
   const SE3 right = poseOf(mapper, sequence);
   wrong->trajectory.T_reference_mid =
-      wrong->trajectory.T_reference_mid * SE3::exp((Vector6() << 0.0, 0.0, 0.0, 0.0, turn, 0.0).finished());
-  wrong->expected_error = expected_error_px;
+      wrong->trajectory.T_reference_mid * SE3::exp((Vector6() << 0.0, 0.0, 0.0, 0.0, told.turn, 0.0).finished());
+  wrong->expected_error = told.expected_error_px;
+  wrong->covariance *= told.sigmas * told.sigmas;
   mapper.process(wrong);  // as a frame that was tracked again
-  EXPECT_NEAR((right.inverse() * poseOf(mapper, sequence)).log().norm(), turn, 1e-6);
+  EXPECT_NEAR((right.inverse() * poseOf(mapper, sequence)).log().norm(), told.turn, 1e-6);
   for (int i = 0; i < 2; ++i) EXPECT_NE(follower.toNextKeyframe().keyframe->frame_sequence, sequence);
   while (mapper.doDeferredWork()) {
   }
   mapper.finishDeferredWork();
   return {(right.inverse() * poseOf(mapper, sequence)).log().tail<3>().norm(), mapper.trajectory().size()};
-}
-
-TEST(FrameRefinement, CorrectsAFrameBetweenKeyframes) {
-  const Outcome refined = tellAWrongPose(config(), 1.0);
-  EXPECT_LT(refined.turned, 0.1 * kTurn);
-}
-
-TEST(FrameRefinement, LeavesAFrameThatWasKnownBetter) {
-  const Outcome left = tellAWrongPose(config(), 1e-6);
-  EXPECT_GT(left.turned, 0.9 * kTurn);
 }
 
 /// With keyframes some three images apart.
@@ -64,6 +61,21 @@ MapperConfig eager() {
   c.keyframe.flow_px = c.keyframe.parallax_px = 40.0;
   c.keyframe.sharp_blur_px = 100.0;
   return c;
+}
+
+TEST(FrameRefinement, CorrectsAFrameBetweenKeyframes) {
+  const Outcome refined = tellAWrongPose(config(), WrongPose());
+  EXPECT_LT(refined.turned, 0.1 * kTurn);
+}
+
+TEST(FrameRefinement, LeavesAFrameThatWasKnownBetter) {
+  const Outcome left = tellAWrongPose(config(), {1e-6});
+  EXPECT_GT(left.turned, 0.9 * kTurn);
+}
+
+TEST(FrameRefinement, MovesAFrameThatCannotBeTrackedBetterToWhereTheKeyframesSay) {
+  const Outcome moved = tellAWrongPose(eager(), {1e-6, kTurn, 1000.0});
+  EXPECT_LT(moved.turned, 0.6 * kTurn) << "the place between keyframes is known to 0.01 rad";
 }
 
 /// Some 20 px of blur where the wrong pose is told.
@@ -75,18 +87,18 @@ std::vector<FrameConstPtr> framesOfATurn() {
 }
 
 TEST(FrameRefinement, AlignsAFrameOfAFastTurnThatContradictsTheKeyframesAround) {
-  const Outcome aligned = tellAWrongPose(eager(), 1e-6, framesOfATurn(), 6, 3.0 * kTurn);
+  const Outcome aligned = tellAWrongPose(eager(), {1e-6, 3.0 * kTurn, 1.0, 6}, framesOfATurn());
   EXPECT_LT(aligned.turned, 0.1 * kTurn) << "however well it is said to be known: the keyframes know better";
-  const Outcome slow = tellAWrongPose(eager(), 1e-6, frames(), 2, 3.0 * kTurn);
+  const Outcome slow = tellAWrongPose(eager(), {1e-6, 3.0 * kTurn});
   EXPECT_GT(slow.turned, 0.9 * kTurn);
 }
 
 TEST(FrameRefinement, CanBeSwitchedOff) {
   MapperConfig off = config();
   off.refine_frames = false;
-  const Outcome left = tellAWrongPose(off, 1.0);
+  const Outcome left = tellAWrongPose(off, WrongPose());
   EXPECT_GT(left.turned, 0.9 * kTurn);
-  EXPECT_EQ(left.frames, tellAWrongPose(config(), 1.0).frames) << "no frame may come or go by it";
+  EXPECT_EQ(left.frames, tellAWrongPose(config(), WrongPose()).frames) << "no frame may come or go by it";
 }
 
 }  // namespace
