@@ -125,6 +125,22 @@ TEST(Window, RecoversPosesAndDepthsFromSharpImages) {
   EXPECT_LT((views().truth[0].inverse() * window.T_map_keyframe(0)).log().norm(), 1e-5);
 }
 
+TEST(Window, EndsWithTheIterationThatGainsTooLittle) {
+  const auto optimized = [](double min_relative_decrease) {
+    WindowConfig config;
+    config.min_relative_decrease = min_relative_decrease;
+    Window window(config, true);
+    fill(window, keyframesOf(views().sharp, views().sharp, false), Disturbance());
+    return window.optimize(20);
+  };
+  const WindowSummary all = optimized(0.0);
+  const WindowSummary usual = optimized(WindowConfig().min_relative_decrease);
+  EXPECT_GT(usual.iterations, 2) << "from so far away the first ones gain much";
+  EXPECT_LT(usual.iterations, all.iterations);
+  EXPECT_LT(usual.final_cost, 1.1 * all.final_cost);
+  EXPECT_GE(usual.final_cost, all.final_cost);
+}
+
 TEST(Window, ReblurringTargetsBeatsComparingBlurredImages) {
   WindowConfig with, without;
   without.reblur_targets = false;

@@ -14,9 +14,10 @@ namespace mba_vo {
 class LocalMap;
 
 /// Tracks the frames between keyframes once more, for the trajectory: when the window has been optimised with a second
-/// keyframe after them. When they came, parts of what they see had no depths, or poor ones. Where a pose
-/// contradicts the keyframes on both sides all the same, as on fast turns, the frame is aligned with all points of the
-/// window, each in its own host: one keyframe, blurred itself, may tell too little.
+/// keyframe after them. When they came, parts of what they see had no depths, or poor ones. What the poses of the
+/// keyframes around say of a frame's place is weighed with that, whether it could be tracked better or not. Where a
+/// pose contradicts them all the same, as on fast turns, the frame is aligned with all points of the window, each in
+/// its own host: one keyframe, blurred itself, may tell too little.
 class FrameRefinement {
  public:
   explicit FrameRefinement(const MapperConfig& config);
@@ -30,8 +31,8 @@ class FrameRefinement {
   void reset();
 
   bool done() const { return jobs_.empty(); }
-  /// Tracks the next frame. nullopt if it is better left as it was. Frames that nobody finds the time for are
-  /// forgotten.
+  /// Tracks the next frame, or places it as its keyframes say. nullopt if it is better left as it was. Frames that
+  /// nobody finds the time for are forgotten.
   std::optional<TrackedFrame> next(const LocalMap& map);
 
  private:
