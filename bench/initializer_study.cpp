@@ -18,7 +18,7 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "mba_vo/mapping/initializer.h"
+#include "mba_vo/initialization/initializer.h"
 
 namespace {
 

@@ -11,7 +11,7 @@ target_link_libraries(deblur_benchmark PRIVATE mba_vo_deblur mba_vo_simulation b
 
 add_executable(initializer_study bench/initializer_study.cpp)
 mba_vo_options(initializer_study)
-target_link_libraries(initializer_study PRIVATE mba_vo_mapping opencv_imgcodecs)
+target_link_libraries(initializer_study PRIVATE mba_vo_initialization opencv_imgcodecs)
 
 file(GLOB tracking_study_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/bench/tracking_study/*.cpp)
 add_executable(tracking_study ${tracking_study_sources})

@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "mba_vo/mapping/trajectory_store.h"
 #include "mba_vo/odometry/config.h"
 #include "mba_vo/tracking/reference.h"
 #include "mba_vo/tracking/tracked_frame.h"
+#include "mba_vo/trajectory/trajectory_store.h"
 
 namespace mba_vo::study {
 

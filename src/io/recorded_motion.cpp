@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "mba_vo/mapping/kinematic_blur.h"
+#include "mba_vo/trajectory/kinematic_blur.h"
 
 namespace mba_vo {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "mba_vo/mapping/kinematic_blur.h"
 #include "mba_vo/mapping/local_map.h"
+#include "mba_vo/trajectory/kinematic_blur.h"
 
 namespace mba_vo {
 namespace {

@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "mba_vo/mapping/local_map.h"
-#include "mba_vo/mapping/motion_alignment.h"
-#include "mba_vo/mapping/place_between.h"
 #include "mba_vo/tracking/frame_measures.h"
+#include "mba_vo/trajectory/place_between.h"
+#include "mba_vo/window/motion_alignment.h"
 
 namespace mba_vo {
 namespace {

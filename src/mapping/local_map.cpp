@@ -8,8 +8,8 @@
 #include "mba_vo/image/parallel_for.h"
 #include "mba_vo/image/point_selector.h"
 #include "mba_vo/mapping/freed_memory.h"
-#include "mba_vo/mapping/motion_alignment.h"
-#include "mba_vo/mapping/point_activator.h"
+#include "mba_vo/window/motion_alignment.h"
+#include "mba_vo/window/point_activator.h"
 
 namespace mba_vo {
 namespace {

@@ -184,8 +184,7 @@ class Mapper::Impl {
     last_ = {frame->frame->sequence, frame->frame->mid_exposure_ns, frame->trajectory};
     last_keyframe_ = frame->reference.keyframe_id;
     const TrackedFrameConstPtr chosen = choice_.add(frame, map_->T_map_camera(*frame), *reference_);
-    if (!chosen) return std::nullopt;
-    return insertKeyframe(chosen);
+    return chosen ? std::optional(insertKeyframe(chosen)) : std::nullopt;
   }
 
   KeyframeReport insertKeyframe(const TrackedFrameConstPtr& chosen) {
@@ -218,8 +217,7 @@ class Mapper::Impl {
       output.keyframe = insertKeyframe(chosen);
       return withKeyframe(std::move(output));
     }
-    const auto found = recovery_.lose(frame, health_.usualFrameError());
-    if (found) return goOnFrom(*found);
+    if (const auto found = recovery_.lose(frame, health_.usualFrameError())) return goOnFrom(*found);
     if (!recovery_.isLostForGood()) return output;
     forgetMap();
     output.message = "lost for too long: a new map begins";

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "mba_vo/image/point_selector.h"
-#include "mba_vo/mapping/initializer_image.h"
+#include "mba_vo/initialization/initializer_image.h"
 #include "mba_vo/tracking/frame_measures.h"
 
 namespace mba_vo {

@@ -2,6 +2,8 @@
 
 #include <random>
 
+#include <Eigen/Core>
+
 #include "mba_vo/geometry/se3.h"
 
 namespace mba_vo::test {
@@ -16,6 +18,9 @@ class Random {
     for (int i = 0; i < 3; ++i) xi(i) = uniform(-translation, translation);
     for (int i = 3; i < 6; ++i) xi(i) = uniform(-rotation, rotation);
     return xi;
+  }
+  Eigen::MatrixXd matrix(int rows, int cols) {
+    return Eigen::MatrixXd::NullaryExpr(rows, cols, [&](Eigen::Index, Eigen::Index) { return normal(1.0); });
   }
   SE3 pose(double translation, double rotation) { return SE3::exp(tangent(translation, rotation)); }
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "mba_vo/mapping/initializer.h"
+#include "mba_vo/initialization/initializer.h"
 #include "mba_vo/mapping/mapper_config.h"
 #include "mba_vo/tracking/motion_state.h"
 #include "mba_vo/tracking/reference.h"

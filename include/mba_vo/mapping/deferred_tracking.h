@@ -6,7 +6,7 @@
 
 #include "mba_vo/mapping/backward_tracking.h"
 #include "mba_vo/mapping/frame_refinement.h"
-#include "mba_vo/mapping/trajectory_store.h"
+#include "mba_vo/trajectory/trajectory_store.h"
 
 namespace mba_vo {
 

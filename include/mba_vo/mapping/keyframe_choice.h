@@ -2,10 +2,10 @@
 
 #include <cstdint>
 
-#include "mba_vo/mapping/kinematic_blur.h"
 #include "mba_vo/tracking/keyframe_policy.h"
 #include "mba_vo/tracking/reference.h"
 #include "mba_vo/tracking/tracked_frame.h"
+#include "mba_vo/trajectory/kinematic_blur.h"
 
 namespace mba_vo {
 

@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "mba_vo/mapping/deblur_queue.h"
-#include "mba_vo/mapping/keyframe_archive.h"
 #include "mba_vo/mapping/local_map.h"
 #include "mba_vo/mapping/mapper_config.h"
 #include "mba_vo/mapping/neighbour_frames.h"
+#include "mba_vo/relocalization/keyframe_archive.h"
 
 namespace mba_vo {
 

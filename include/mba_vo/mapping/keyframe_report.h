@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "mba_vo/mapping/measured_depth.h"
 #include "mba_vo/tracking/reference.h"
+#include "mba_vo/window/depth_agreement.h"
 
 namespace mba_vo {
 

@@ -8,13 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "mba_vo/mapping/calibration_estimator.h"
 #include "mba_vo/mapping/keyframe_report.h"
 #include "mba_vo/mapping/mapper_config.h"
-#include "mba_vo/mapping/place_between.h"
-#include "mba_vo/mapping/surface_slope.h"
-#include "mba_vo/mapping/trajectory_store.h"
-#include "mba_vo/mapping/window.h"
+#include "mba_vo/trajectory/place_between.h"
+#include "mba_vo/trajectory/trajectory_store.h"
+#include "mba_vo/window/calibration_estimator.h"
+#include "mba_vo/window/surface_slope.h"
+#include "mba_vo/window/window.h"
 
 namespace mba_vo {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "mba_vo/mapping/measured_depth.h"
+#include "mba_vo/window/depth_agreement.h"
 
 namespace mba_vo {
 

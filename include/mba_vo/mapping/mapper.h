@@ -10,8 +10,8 @@
 #include "mba_vo/mapping/keyframe_report.h"
 #include "mba_vo/mapping/local_map.h"
 #include "mba_vo/mapping/mapper_config.h"
-#include "mba_vo/mapping/trajectory_store.h"
 #include "mba_vo/tracking/tracked_frame.h"
+#include "mba_vo/trajectory/trajectory_store.h"
 
 namespace mba_vo {
 

@@ -1,15 +1,15 @@
 #pragma once
 
 #include "mba_vo/deblur/deblurrer.h"
+#include "mba_vo/depth_search/depth_search.h"
 #include "mba_vo/geometry/calibration_correction.h"
+#include "mba_vo/initialization/initializer.h"
 #include "mba_vo/mapping/deblur_queue.h"
-#include "mba_vo/mapping/depth_search.h"
-#include "mba_vo/mapping/initializer.h"
 #include "mba_vo/mapping/map_health.h"
-#include "mba_vo/mapping/relocalizer.h"
-#include "mba_vo/mapping/window.h"
+#include "mba_vo/relocalization/relocalizer.h"
 #include "mba_vo/tracking/keyframe_policy.h"
 #include "mba_vo/tracking/tracker.h"
+#include "mba_vo/window/window.h"
 
 namespace mba_vo {
 

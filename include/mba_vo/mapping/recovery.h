@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "mba_vo/mapping/local_map.h"
-#include "mba_vo/mapping/relocalizer.h"
+#include "mba_vo/relocalization/relocalizer.h"
 #include "mba_vo/tracking/lost_clock.h"
 
 namespace mba_vo {

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <vector>
+
+#include "mba_vo/depth_search/depth_search.h"
+#include "mba_vo/window/window.h"
+
+namespace mba_vo {
+
+/// Turns WindowPoint::variance into that of an inverse depth.
+inline constexpr double kResidualVariance = 25.0;  // [spread^2]
+
+/// Coarse occupancy of an image: at most one new point per cell of `distance_px`.
+class SpacingGrid {
+ public:
+  SpacingGrid(const PinholeCamera& camera, double distance_px);
+  bool isFree(const Eigen::Vector2d& pixel) const { return !occupied_[cell(pixel)]; }
+  void occupy(const Eigen::Vector2d& pixel) { occupied_[cell(pixel)] = true; }
+
+ private:
+  std::size_t cell(const Eigen::Vector2d& pixel) const;
+  double distance_px_;
+  int columns_;
+  int rows_;
+  std::vector<bool> occupied_;
+};
+
+/// Spacing that brings `points` nearer to `wanted` the next time [px].
+double adaptedDistance(double distance_px, int points, int wanted);
+
+/// True if the depth of an immature point is certain enough to enter the window.
+bool isReadyToActivate(const ImmaturePoint& point);
+
+/// The window's `points` as seen by a camera at T_map_camera, those outside the image left out. `velocity`: of the
+/// camera, for a rolling shutter.
+std::vector<ReferencePoint> projectPoints(const Window& window, const std::vector<WindowPoint>& points,
+                                          const PinholeCamera& camera, const SE3& T_map_camera,
+                                          const Vector6& velocity = Vector6::Zero());
+/// The same, seen by one of the window's own keyframes.
+std::vector<ReferencePoint> pointsSeenBy(const Window& window, const std::vector<WindowPoint>& points,
+                                         const PinholeCamera& camera, KeyframeId keyframe);
+
+}  // namespace mba_vo

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "mba_vo/window/nearby_depths.h"
+#include "mba_vo/window/point_activation.h"
+#include "mba_vo/window/surface_slope.h"
+
+namespace mba_vo {
+
+/// Activates immature points that the window's newest keyframe sees, where it has no points yet.
+class PointActivator {
+ public:
+  /// `camera`: of all keyframes. The window must outlive the activator. `distance_px`: between points.
+  PointActivator(Window& window, const PinholeCamera& camera, KeyframeId newest, double distance_px);
+
+  /// Those of the host whose depths have been found. Takes those away that were activated or never will be.
+  void activateFound(KeyframeId host, std::vector<ImmaturePoint>& immature);
+
+  /// True if the keyframe sees so few points that any more are welcome: on fast turns what comes into view is blurred,
+  /// and gone again before the search has found depths.
+  bool isStarving(int wanted_points) const;
+  /// Those of the host whose depths have not been found, beginning with the depths of points around: the keyframes
+  /// together tell more than the search in one frame after the other. Takes those away that were activated.
+  void activateGuessed(KeyframeId host, std::vector<ImmaturePoint>& immature);
+
+ private:
+  /// Where the newest keyframe sees the point; nullopt if it does not.
+  std::optional<Eigen::Vector2d> see(const SE3& T_newest_host, const ImmaturePoint& point, double inverse_depth) const;
+  bool activate(KeyframeId host, const ImmaturePoint& point, double inverse_depth, const SurfaceSlopes& slopes,
+                const Eigen::Vector2d& in_newest);
+
+  Window& window_;
+  std::vector<WindowPoint> known_;  // before any is activated
+  PinholeCamera camera_;
+  SE3 T_newest_map_;
+  SpacingGrid grid_;  // of the newest keyframe
+  int visible_ = 0;   // points in it
+};
+
+}  // namespace mba_vo

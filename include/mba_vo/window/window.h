@@ -1,0 +1,175 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "mba_vo/geometry/calibration_correction.h"
+#include "mba_vo/geometry/exposure_trajectory.h"
+#include "mba_vo/image/image_pyramid.h"
+#include "mba_vo/tracking/reference.h"
+#include "mba_vo/window/depth_agreement.h"
+
+namespace mba_vo {
+
+struct CalibrationSystem;
+
+/// Options of the windowed photometric bundle adjustment.
+struct WindowConfig {
+  int max_keyframes = 30;
+  int min_keyframes = 7;
+  int max_residuals = 5000;
+  int max_residuals_blurred = 20000;
+  double long_blur_px = 25.0;
+  int max_points = 1600;
+  int max_iterations = 4;
+  double min_relative_decrease = 0.01;
+  double huber_threshold = 9.0;
+  bool reblur_targets = true;
+  double gradient_constant = 50.0;
+  double sample_spacing_px = 1.25;
+  int max_samples = 64;
+  double brightness_gain_sigma = 0.5;
+  double brightness_offset_sigma = 30.0;
+
+  template <typename Config, typename Visitor>
+  static void describe(Config& c, Visitor& v) {
+    v("max_keyframes", c.max_keyframes, 3, 100, "keyframes in the window, at most");
+    v("min_keyframes", c.min_keyframes, 3, 100, "keyframes in the window, however many residuals there are");
+    v("max_residuals", c.max_residuals, 0, 1000000, "residuals in a window of more than min_keyframes");
+    v("max_residuals_blurred", c.max_residuals_blurred, 0, 1000000,
+      "the same, where one of the newest keyframes has a long blur");
+    v("long_blur_px", c.long_blur_px, 0.0, 1000.0, "blur of a keyframe that counts as long [px]");
+    v("max_points", c.max_points, 100, 20000, "active points in the window");
+    v("max_iterations", c.max_iterations, 1, 50, "iterations of the bundle adjustment per keyframe");
+    v("min_relative_decrease", c.min_relative_decrease, 0.0, 1.0,
+      "decrease of the cost, relative to it, below which no further iteration follows");
+    v("huber_threshold", c.huber_threshold, 0.1, 255.0, "largest Huber threshold of the residual [grey levels]");
+    v("reblur_targets", c.reblur_targets, "compare the re-blurred host patch with the target's original image");
+    v("gradient_constant", c.gradient_constant, 0.0, 1000.0,
+      "c of the residual weight c^2 / (c^2 + gradient^2), 0 = no weight [grey levels / px]");
+    v("sample_spacing_px", c.sample_spacing_px, 0.1, 10.0, "spacing of samples along the blur path [px]");
+    v("max_samples", c.max_samples, 1, 256, "most samples along the blur path");
+    v("brightness_gain_sigma", c.brightness_gain_sigma, 1e-6, 10.0,
+      "weak prior on a keyframe's log gain a, relative to none");
+    v("brightness_offset_sigma", c.brightness_offset_sigma, 1e-4, 1000.0,
+      "weak prior on a keyframe's brightness offset b, relative to none [grey levels]");
+  }
+};
+
+using PointId = std::uint64_t;
+
+/// A keyframe as it enters the window.
+struct WindowKeyframe {
+  KeyframeId id = 0;
+  std::shared_ptr<const ImagePyramid> sharp;     // used as host image
+  std::shared_ptr<const ImagePyramid> original;  // used as target image
+  SE3 T_map_keyframe;
+  Vector6 xi = Vector6::Zero();        // motion within its exposure, camera frame
+  Vector6 image_xi = Vector6::Zero();  // motion blur left in `sharp`, 0 = none [m, rad]
+  AffineBrightness brightness;
+  Vector6 velocity = Vector6::Zero();  // while the rows of a rolling shutter are read [m/s, rad/s]
+  double blur_length_px = 0.0;         // median over the points it sees
+  CalibrationCorrection correction{};  // of the calibration, that the images were made with
+};
+
+/// What the alignment of a blurred image with the points of a window finds.
+struct KeyframeMotion {
+  SE3 T_map_keyframe;
+  AffineBrightness brightness;
+  Vector6 xi = Vector6::Zero();  // motion within its exposure, camera frame [m, rad]
+};
+
+/// State of one active point, for callers.
+struct WindowPoint {
+  PointId id = 0;
+  KeyframeId host = 0;
+  Eigen::Vector2d pixel;  // in the host
+  double inverse_depth = 0.0;
+  double variance = 0.0;  // of the inverse depth, from the Hessian, for unit variance of a residual [1/m^2]
+  int good_residuals = 0;
+  double relative_baseline = 0.0;  // largest translation to a target over depth
+  bool visible_in_newest = false;  // good residual in the newest keyframe (or hosted by it)
+};
+
+/// Costs count outliers with their threshold. The thresholds follow the residuals, so they may differ between the two.
+struct WindowSummary {
+  double initial_cost = 0.0;
+  double final_cost = 0.0;
+  int iterations = 0;
+  int residuals = 0;  // inlier (point, target) pairs
+  double rms = 0.0;   // per pixel [grey levels]
+  DepthAgreement depths;
+};
+
+/// Windowed photometric bundle adjustment (DSO, Sec. 2-3): keyframe poses, affine brightness and inverse depths, with
+/// first-estimates Jacobians, Schur complement, CHOLMOD, and marginalisation of old keyframes into a quadratic prior.
+class Window {
+ public:
+  /// Results are bit-identical whatever `deterministic` is and however many threads TBB uses: sums have a fixed order.
+  Window(const WindowConfig& config, bool deterministic);
+  ~Window();
+
+  void addKeyframe(const WindowKeyframe& keyframe);
+  /// The image of a host has become sharp. What depended on the old one is made anew by `optimize`.
+  void replaceImage(KeyframeId id, std::shared_ptr<const ImagePyramid> sharp);
+  /// Whether the host with that image instead of its own would explain the other keyframes no worse, by these points
+  /// seen from it; false if it cannot be told. Changes nothing.
+  bool explainsAsWell(KeyframeId host, const std::shared_ptr<const ImagePyramid>& sharp,
+                      const std::vector<ReferencePoint>& points) const;
+  /// Adds a point with residuals to every other keyframe of the window in which it is visible.
+  /// Measured depths give the window their scale; without any it keeps that of its first keyframes.
+  PointId addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,
+                   const MeasuredDepth& measured = {});
+  /// Refines the inverse depth of a new point against all keyframes, poses fixed, and adds the point if enough of them
+  /// agree and its depth is well determined.
+  std::optional<PointId> activatePoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,
+                                       const Eigen::Vector2d& slope = Eigen::Vector2d::Zero(),
+                                       const MeasuredDepth& measured = {});
+  /// Sets the slopes of the surface at `points`, all of them, see PointState; nullopt: it stays.
+  void setSlopes(const std::vector<WindowPoint>& points,
+                 const std::function<std::optional<Eigen::Vector2d>(const WindowPoint&)>& slopeOf);
+  /// Adds the residuals of all existing points into a keyframe just added.
+  void addResidualsTo(KeyframeId target);
+
+  /// Estimates the newest keyframe, which hosts no points yet, by the points it sees: its pose and brightness and the
+  /// motion within its exposure, which `optimize` does not change. Returns whether anything has changed.
+  bool alignNewest();
+  /// Estimates the same of a frame that is no keyframe, by all points, from what it says of itself. nullopt if it is
+  /// sharp, sees too few of them, or nothing better is found.
+  std::optional<KeyframeMotion> align(const WindowKeyframe& frame) const;
+
+  /// Levenberg-Marquardt on all states; re-classifies residuals as inliers and outliers; drops points left without any.
+  WindowSummary optimize(int max_iterations);
+
+  /// The correction of the calibration that all images should have been made with; the window makes up for the
+  /// difference.
+  void setCorrection(const CalibrationCorrection& correction);
+  /// What the residuals say about errors that are left.
+  CalibrationSystem calibrationSystem();
+
+  /// Keyframes to marginalise now so that the window has room for a new one, see keyframesToRetire.
+  std::vector<KeyframeId> keyframesToMarginalize() const;
+  /// Moves points that neither of the two newest keyframes sees any more into the prior, if they are well enough
+  /// observed, else drops them. `marginalize` does this too.
+  void marginalizePoints();
+  /// Moves the keyframe, and the points it hosts that are well enough observed, into the prior; drops the rest.
+  void marginalize(KeyframeId keyframe);
+
+  std::vector<KeyframeId> keyframes() const;  // by age, oldest first
+  SE3 T_map_keyframe(KeyframeId id) const;
+  Vector6 velocity(KeyframeId id) const;
+  /// The motion blur left in the image that the keyframe has as a host, 0 = none [m, rad].
+  Vector6 imageMotion(KeyframeId id) const;
+  AffineBrightness brightness(KeyframeId id) const;
+  std::vector<WindowPoint> points() const;
+  int pointCount() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace mba_vo

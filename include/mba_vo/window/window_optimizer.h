@@ -1,0 +1,52 @@
+#pragma once
+
+#include "mba_vo/solver/reduced_camera_solver.h"
+#include "mba_vo/window/depth_prior.h"
+#include "mba_vo/window/scale_anchor.h"
+#include "mba_vo/window/window_linearizer.h"
+
+namespace mba_vo {
+
+struct WindowOptimizerOptions {
+  double initial_lambda = 1e-4;
+  double min_lambda = 1e-7;
+  double max_lambda = 1e6;
+  double min_relative_decrease = 1e-5;  // of the cost; a smaller one ends the optimisation
+  double min_step = 1e-9;               // [m, rad] of all poses; a smaller one ends the optimisation
+  float max_drift_px = 0.75F;           // beyond it a residual gets new pixels
+};
+
+/// Levenberg-Marquardt on all states of a window.
+class WindowOptimizer {
+ public:
+  WindowOptimizer(const WindowLinearizer& linearizer, double huber_threshold, const WindowOptimizerOptions& options)
+      : linearizer_(linearizer), huber_threshold_(huber_threshold), options_(options) {}
+
+  WindowSummary optimize(WindowState& state, const ScaleAnchor& anchor, int max_iterations);
+
+  /// Sum of the energies at the current state; an outlier counts with its keyframe's threshold.
+  static double photometricCost(const WindowState& state);
+
+ private:
+  struct Backup;
+  void evaluateAll(WindowState& state);
+  void acceptEnergies(WindowState& state) const;
+  void updateOutlierThresholds(WindowState& state) const;
+  void begin(WindowState& state);
+  bool step(WindowState& state, const ScaleAnchor& anchor, const DepthPrior& depth_prior, double lambda);
+  double costChange(const WindowState& state) const;
+  void accept(WindowState& state);
+  void finish(WindowState& state, const DepthPrior& depth_prior, WindowSummary& summary) const;
+
+  WindowLinearizer linearizer_;
+  double huber_threshold_;
+  WindowOptimizerOptions options_;
+  ReducedCameraSolver solver_;
+  SchurComplement schur_;
+  WindowEvaluation evaluation_;  // of the last state tried
+  LinearizedWindow system_;      // at the current state
+  ReducedSystem reduced_;
+  double step_norm_ = 0.0;
+};
+
+}  // namespace mba_vo

@@ -1,0 +1,174 @@
+#include "mba_vo/initialization/initializer.h"
+
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "mba_vo/initialization/initializer_buffer.h"
+#include "mba_vo/initialization/initializer_structure.h"
+#include "mba_vo/initialization/metric_start.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr int kImagesPerFrame = 3;         // tracked per added frame while catching up
+constexpr double kLongestGap = 0.5;        // [s] between frames that are used together
+constexpr int kAttemptEvery = 3;           // frames
+constexpr double kMinSpan = 0.3;           // [s] of frames before the first attempt
+constexpr double kMaxReferenceBlur = 8.0;  // [px] for which a sharper frame is waited for ...
+constexpr double kMaxReferenceWait = 1.0;  // ... this long [s]
+constexpr int kMostDepthDoubts = 2;        // from which on depth images are not used
+
+bool sameCamera(const PinholeCamera& a, const PinholeCamera& b) {
+  return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
+}
+
+/// Tracks of the buffer as a problem of structure and motion; `view_of` receives the buffer's index of every view.
+StructureProblem makeProblem(const InitializerBuffer& buffer, std::vector<std::size_t>& view_of) {
+  StructureProblem problem;
+  problem.camera = buffer.images()[buffer.reference()].image->camera;
+  problem.reference_pixels = buffer.tracker().corners();
+  for (std::size_t i = 0; i < buffer.images().size(); ++i) {
+    const BufferedImage& entry = buffer.images()[i];
+    if (i == buffer.reference() || !entry.tracks) continue;
+    problem.views.push_back({entry.tracks->pixel, entry.tracks->tracked, entry.log_sharpness});
+    view_of.push_back(i);
+  }
+  return problem;
+}
+
+std::unique_ptr<InitialMap> makeMap(const InitializerBuffer& buffer, const std::vector<std::size_t>& view_of,
+                                    const StructureEstimate& estimate) {
+  auto map = std::make_unique<InitialMap>();
+  const InitializerImage& reference = *buffer.images()[buffer.reference()].image;
+  map->reference = reference.frame;
+  const std::vector<Eigen::Vector2d>& corners = buffer.tracker().corners();
+  for (std::size_t p = 0; p < corners.size(); ++p) {
+    if (!std::isfinite(estimate.variance[p])) continue;
+    map->points.push_back({reference.toLevel0(corners[p]).cast<float>(), static_cast<float>(estimate.inverse_depth[p]),
+                           static_cast<float>(estimate.variance[p])});
+  }
+  for (std::size_t v = 0; v < view_of.size(); ++v) {
+    if (!estimate.T_view_reference[v]) continue;
+    map->poses.push_back({buffer.images()[view_of[v]].image->frame, estimate.T_view_reference[v]->inverse()});
+  }
+  return map;
+}
+
+}  // namespace
+
+class Initializer::Impl {
+ public:
+  Impl(const InitializerConfig& config, const DepthSensorConfig& sensor)
+      : config_(config),
+        buffer_(config.buffer_seconds, config.max_points),
+        metric_(config.depth_wait, config.max_points, sensor) {
+    structure_.min_parallax = config.min_parallax;
+  }
+
+  std::unique_ptr<InitialMap> add(const FrameConstPtr& frame) {
+    if (!continues(frame)) reset();
+    buffer_.add(frame);
+    if (depth_doubts_ < kMostDepthDoubts) {
+      if (auto map = metric_.attempt(buffer_)) return map;
+    }
+    if (!pending_) buffer_.updateReference();
+    buffer_.updateTracks(kImagesPerFrame);
+    ++since_attempt_;
+    if (readyForAttempt()) attempt(frame->midExposureSeconds());
+    const double waited = frame->midExposureSeconds() - pending_since_;
+    if (!pending_ || (pending_parallax_ < config_.target_parallax && waited < config_.max_wait_seconds)) return nullptr;
+    reason_.clear();
+    return std::move(pending_);
+  }
+
+  std::vector<FrameConstPtr> bufferedFrames() const {
+    std::vector<FrameConstPtr> frames;
+    for (const BufferedImage& entry : buffer_.images()) frames.push_back(entry.image->frame);
+    return frames;
+  }
+
+  const std::string& reason() const { return metric_.reason().empty() ? reason_ : metric_.reason(); }
+
+  void doubtDepths(bool surely) {
+    depth_doubts_ += surely ? kMostDepthDoubts : 1;
+    metric_.reset();
+  }
+  void trustDepths() { depth_doubts_ = 0; }
+
+  void reset() {
+    buffer_.clear();
+    metric_.reset();
+    pending_.reset();
+    since_attempt_ = 0;
+    reason_ = "collecting frames";
+  }
+
+ private:
+  bool continues(const FrameConstPtr& frame) const {
+    if (buffer_.images().empty() || !frame || frame->pyramid.levels() < 1)
+      return true;  // add() reports a missing image
+    const Frame& last = *buffer_.images().back().image->frame;
+    const double gap = frame->midExposureSeconds() - last.midExposureSeconds();
+    return gap > 0.0 && gap < kLongestGap && sameCamera(frame->pyramid.level(0).camera, last.pyramid.level(0).camera);
+  }
+
+  bool readyForAttempt() {
+    if (!buffer_.hasReference() || buffer_.span() < kMinSpan) {
+      if (!pending_) reason_ = "collecting frames";
+      return false;
+    }
+    if (static_cast<int>(buffer_.tracker().corners().size()) < structure_.min_points) {
+      reason_ = "too little texture (" + std::to_string(buffer_.tracker().corners().size()) + " corners, " +
+                std::to_string(structure_.min_points) + " needed)";
+      return false;
+    }
+    if (buffer_.blurLength(buffer_.reference()) > kMaxReferenceBlur && buffer_.span() < kMaxReferenceWait) {
+      reason_ = "waiting for a sharper frame";
+      return false;
+    }
+    return since_attempt_ >= kAttemptEvery;
+  }
+
+  void attempt(double now) {
+    since_attempt_ = 0;
+    std::vector<std::size_t> view_of;
+    const StructureProblem problem = makeProblem(buffer_, view_of);
+    const StructureEstimate estimate = estimateStructure(problem, structure_);
+    if (!estimate.accepted) {
+      if (!pending_) reason_ = estimate.reason;
+      return;
+    }
+    if (!pending_) pending_since_ = now;
+    if (pending_ && estimate.parallax < pending_parallax_) return;
+    pending_ = makeMap(buffer_, view_of, estimate);
+    pending_parallax_ = estimate.parallax;
+    char text[80];
+    std::snprintf(text, sizeof(text), "waiting for more parallax (%.1f %% so far)", 1e2 * estimate.parallax);
+    reason_ = text;
+  }
+
+  InitializerConfig config_;
+  StructureConfig structure_;
+  InitializerBuffer buffer_;
+  MetricStart metric_;
+  int depth_doubts_ = 0;
+  std::string reason_ = "collecting frames";
+  int since_attempt_ = 0;                // frames
+  std::unique_ptr<InitialMap> pending_;  // good enough, but more parallax is being waited for
+  double pending_since_ = 0.0;           // [s]
+  double pending_parallax_ = 0.0;
+};
+
+Initializer::Initializer(const InitializerConfig& config, const DepthSensorConfig& sensor)
+    : impl_(std::make_unique<Impl>(config, sensor)) {}
+Initializer::~Initializer() = default;
+
+std::unique_ptr<InitialMap> Initializer::add(const FrameConstPtr& frame) { return impl_->add(frame); }
+std::vector<FrameConstPtr> Initializer::bufferedFrames() const { return impl_->bufferedFrames(); }
+const std::string& Initializer::reason() const { return impl_->reason(); }
+void Initializer::reset() { impl_->reset(); }
+void Initializer::doubtDepths(bool surely) { impl_->doubtDepths(surely); }
+void Initializer::trustDepths() { impl_->trustDepths(); }
+
+}  // namespace mba_vo

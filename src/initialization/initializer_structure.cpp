@@ -1,0 +1,190 @@
+#include "mba_vo/initialization/initializer_structure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "mba_vo/initialization/initializer_hypotheses.h"
+#include "mba_vo/initialization/initializer_views.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr std::size_t kMinViews = 5;
+constexpr double kRotationOnly = 0.2;  // share of the flow of min_parallax that rotation must leave unexplained
+constexpr double kOutlierSigmas = 3.5;
+constexpr double kMinSigma = 0.1;             // [px]
+constexpr double kMaxPointSigma = 0.5;        // of an inverse depth, relative; beyond it a point is no good
+constexpr double kClearWinner = 1.15;         // cost of the best different solution over that of the best
+constexpr double kMinPositive = 0.9;          // share of the points that must lie in front of the reference
+constexpr double kValidationTolerance = 1.5;  // [px]
+constexpr double kMinExplained = 0.7;         // share of points of a held-out view, and of the held-out views
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::string format(const char* text, double a, double b) {
+  char buffer[160];
+  std::snprintf(buffer, sizeof(buffer), text, a, b);
+  return buffer;
+}
+
+/// Standard deviation of each view's observations from the median error; the errors are Rayleigh-distributed.
+void estimateSigmas(Bundle& bundle) {
+  for (BundleView& view : bundle.views) {
+    view.sigma = std::max(kMinSigma, median(reprojectionErrors(bundle, view)) / 1.177);
+  }
+}
+
+/// Forgets observations that do not fit and points that keep fewer than three.
+void removeOutliers(Bundle& bundle) {
+  std::vector<int> count(bundle.rays.size(), 0);
+  for (BundleView& view : bundle.views) {
+    const std::vector<double> errors = reprojectionErrors(bundle, view);
+    std::size_t k = 0;
+    for (std::size_t p = 0; p < bundle.rays.size(); ++p) {
+      if (!view.observed[p]) continue;
+      if (errors[k++] > kOutlierSigmas * view.sigma) view.observed[p] = 0;
+      count[p] += view.observed[p];
+    }
+  }
+  for (BundleView& view : bundle.views) {
+    for (std::size_t p = 0; p < bundle.rays.size(); ++p) {
+      if (count[p] < 3) view.observed[p] = 0;
+    }
+  }
+}
+
+void refine(Bundle& bundle) {
+  for (int round = 0; round < 2; ++round) {
+    estimateSigmas(bundle);
+    removeOutliers(bundle);
+    BundleOptions options;
+    options.max_iterations = 8;
+    optimizeBundle(bundle, options);
+    normalizeScale(bundle);
+  }
+  estimateSigmas(bundle);
+}
+
+double shareInFront(const Bundle& bundle) {
+  const std::vector<double> variances = inverseDepthVariances(bundle);
+  double positive = 0.0;
+  double observed = 0.0;
+  for (std::size_t p = 0; p < variances.size(); ++p) {
+    if (!std::isfinite(variances[p])) continue;
+    observed += 1.0;
+    if (bundle.inverse_depth[p] > 0.0) positive += 1.0;
+  }
+  return positive / std::max(1.0, observed);
+}
+
+/// Poses of the views left out, and whether the structure explains them.
+bool validate(const StructureProblem& problem, const std::vector<ViewGeometry>& geometry, const ViewSplit& split,
+              const Bundle& bundle, StructureEstimate& estimate) {
+  int explained_views = 0;
+  std::vector<double> medians;
+  for (const std::size_t v : split.held_out) {
+    BundleView view = nearestStart(problem, geometry, split, bundle, v);
+    optimizePose(bundle, view, BundleOptions());
+    const std::vector<double> errors = reprojectionErrors(bundle, view);
+    medians.push_back(median(errors));
+    const double inside = static_cast<double>(
+        std::count_if(errors.begin(), errors.end(), [](double e) { return e < kValidationTolerance; }));
+    if (inside < kMinExplained * static_cast<double>(errors.size())) continue;
+    ++explained_views;
+    estimate.T_view_reference[v] = view.T_view_reference;
+  }
+  estimate.validation_error = median(medians);
+  return explained_views >= kMinExplained * static_cast<double>(split.held_out.size());
+}
+
+void fillPoints(const Bundle& bundle, StructureEstimate& estimate) {
+  estimate.inverse_depth = bundle.inverse_depth;
+  estimate.variance = inverseDepthVariances(bundle);
+  std::vector<double> relative;
+  for (std::size_t p = 0; p < estimate.variance.size(); ++p) {
+    const double w = bundle.inverse_depth[p];
+    const double sigma = std::sqrt(estimate.variance[p]);
+    if (w > 0.0 && std::isfinite(sigma)) relative.push_back(sigma / w);
+    if (!(w > 0.0) || sigma > kMaxPointSigma * std::max(w, 1.0)) {
+      estimate.variance[p] = std::numeric_limits<double>::infinity();
+    } else {
+      ++estimate.points;
+    }
+  }
+  estimate.relative_depth_sigma = median(relative);
+}
+
+void fillMotion(const ViewSplit& split, const Bundle& bundle, StructureEstimate& estimate) {
+  std::vector<double> translations, errors;
+  for (std::size_t k = 0; k < split.bundle.size(); ++k) {
+    estimate.T_view_reference[split.bundle[k]] = bundle.views[k].T_view_reference;
+    translations.push_back(bundle.views[k].T_view_reference.inverse().translation().norm());
+    errors.push_back(median(reprojectionErrors(bundle, bundle.views[k])));
+  }
+  std::sort(translations.begin(), translations.end());
+  estimate.parallax = translations[translations.size() - 2];  // the largest may be a bad view
+  estimate.reprojection_error = median(errors);
+}
+
+std::string judge(const StructureEstimate& e, const StructureConfig& config, double share_in_front, double ambiguity,
+                  bool validated) {
+  if (share_in_front < kMinPositive)
+    return format("structure behind the camera (%.0f %% in front)", 1e2 * share_in_front, 0);
+  if (ambiguity < kClearWinner)
+    return format("motion still ambiguous (second best fits %.2f times as badly)", ambiguity, 0);
+  if (e.parallax < config.min_parallax) {
+    return format("only rotation so far (parallax %.1f %%, %.1f %% needed)", 1e2 * e.parallax,
+                  1e2 * config.min_parallax);
+  }
+  if (e.points < config.min_points)
+    return format("too few good points (%.0f, %.0f needed)", e.points, config.min_points);
+  if (e.relative_depth_sigma > config.max_relative_depth_sigma) {
+    return format("depths still uncertain (%.0f %%, %.0f %% needed)", 1e2 * e.relative_depth_sigma,
+                  1e2 * config.max_relative_depth_sigma);
+  }
+  if (!validated)
+    return format("structure does not explain the frames left out (error %.2f px)", e.validation_error, 0);
+  return "";
+}
+
+}  // namespace
+
+StructureEstimate estimateStructure(const StructureProblem& problem, const StructureConfig& config) {
+  StructureEstimate estimate;
+  estimate.T_view_reference.resize(problem.views.size());
+  const std::vector<ViewGeometry> geometry = analyseViews(problem, config);
+  const ViewSplit split = splitViews(problem, geometry, config);
+  if (split.bundle.size() < kMinViews - 2 || split.bundle.size() + split.held_out.size() < kMinViews) {
+    estimate.reason = format("too few frames see the reference (%.0f, %.0f needed)",
+                             static_cast<double>(split.bundle.size() + split.held_out.size()), kMinViews);
+    return estimate;
+  }
+  estimate.rotation_residual = geometry[split.widest].rotation.median_residual;
+  const double flow = estimate.rotation_residual / problem.camera.fx;
+  if (flow < kRotationOnly * config.min_parallax) {
+    estimate.reason = format("only rotation so far (it leaves %.2f px of flow unexplained, %.2f needed)",
+                             estimate.rotation_residual, kRotationOnly * config.min_parallax * problem.camera.fx);
+    return estimate;
+  }
+  std::optional<Hypothesis> best = bestHypothesis(problem, geometry, split);
+  if (!best) {
+    estimate.reason = "no motion fits the tracks";
+    return estimate;
+  }
+  refine(best->bundle);
+  fillPoints(best->bundle, estimate);
+  fillMotion(split, best->bundle, estimate);
+  const bool validated = validate(problem, geometry, split, best->bundle, estimate);
+  estimate.reason = judge(estimate, config, shareInFront(best->bundle), best->runner_up_ratio, validated);
+  estimate.accepted = estimate.reason.empty();
+  return estimate;
+}
+
+}  // namespace mba_vo

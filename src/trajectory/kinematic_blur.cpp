@@ -1,0 +1,60 @@
+#include "mba_vo/trajectory/kinematic_blur.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace mba_vo {
+namespace {
+
+constexpr std::size_t kPoses = 3;
+constexpr double kLongestGap = 0.15;  // [s] the velocity is not constant over longer gaps
+
+}  // namespace
+
+std::optional<Vector6> measuredVelocity(const TrackedFrame& frame) {
+  const bool rolling = frame.frame->pyramid.level(0).camera.row_time != 0.0;
+  if (!rolling && frame.frame->exposure.value_or(0.0) <= 0.0) return std::nullopt;
+  return frame.trajectory.velocity;
+}
+
+void KinematicBlur::add(std::int64_t mid_exposure_ns, const SE3& T_map_camera, const std::optional<Vector6>& velocity) {
+  if (!poses_.empty() && mid_exposure_ns <= poses_.back().ns) return;
+  poses_.push_back({mid_exposure_ns, T_map_camera, velocity});
+  if (poses_.size() > kPoses) poses_.pop_front();
+}
+
+Vector6 KinematicBlur::velocityOfMiddle() const {
+  Vector6 velocities = Vector6::Zero();
+  int count = 0;
+  for (std::size_t i = 1; i < poses_.size(); ++i) {
+    const double dt = 1e-9 * static_cast<double>(poses_[i].ns - poses_[i - 1].ns);
+    if (dt > kLongestGap) continue;
+    velocities += (poses_[i - 1].T_map_camera.inverse() * poses_[i].T_map_camera).log() / dt;
+    ++count;
+  }
+  if (count == 0) return Vector6::Zero();
+  Vector6 velocity = velocities / count;
+  const auto measured = [&](const Pose& pose) { return pose.velocity.has_value(); };
+  if (count + 1 < static_cast<int>(kPoses) || !std::all_of(poses_.begin(), poses_.end(), measured)) {
+    return velocity;
+  }
+  // The central difference exceeds the velocity by a sixth of its second difference. An error that all measured
+  // velocities have in common, that of the reference, cancels there. Hands change the rate of a turn so fast that it
+  // counts, but not how fast they move: there it would only add the errors of the measured velocities.
+  const auto turn = [&](std::size_t i) { return poses_[i].velocity->tail<3>(); };
+  velocity.tail<3>() -= (turn(0) - 2.0 * turn(1) + turn(2)) / 6.0;
+  return velocity;
+}
+
+Vector6 KinematicBlur::velocityOfLast() const {
+  if (poses_.empty()) return Vector6::Zero();
+  const Pose& last = poses_.back();
+  if (last.velocity) return *last.velocity;
+  if (poses_.size() < 2) return Vector6::Zero();
+  const Pose& before = poses_[poses_.size() - 2];
+  const double dt = 1e-9 * static_cast<double>(last.ns - before.ns);
+  if (dt > kLongestGap) return Vector6::Zero();
+  return (before.T_map_camera.inverse() * last.T_map_camera).log() / dt;
+}
+
+}  // namespace mba_vo

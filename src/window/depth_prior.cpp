@@ -1,0 +1,47 @@
+#include "mba_vo/window/depth_prior.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace mba_vo {
+namespace {
+
+constexpr double kWeight = 100.0;
+constexpr double kFree = 4.0;      // times nearer than the median a point may be at no cost
+constexpr double kNearest = 20.0;  // times nearer than the median no point can be
+
+}  // namespace
+
+DepthPrior::DepthPrior(const WindowState& state) {
+  std::vector<double> inverse_depths;
+  inverse_depths.reserve(state.points.size());
+  for (const PointState& point : state.points) inverse_depths.push_back(point.inverse_depth);
+  if (inverse_depths.empty()) return;
+  const auto middle = inverse_depths.begin() + static_cast<std::ptrdiff_t>(inverse_depths.size() / 2);
+  std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
+  median_ = *middle;
+}
+
+double DepthPrior::excess(const PointState& point) const {
+  return std::max(0.0, point.inverse_depth - kFree * median_);
+}
+
+double DepthPrior::cost(const WindowState& state) const {
+  double sum = 0.0;
+  for (const PointState& point : state.points) sum += excess(point) * excess(point);
+  return kWeight / (median_ * median_) * sum;
+}
+
+void DepthPrior::addTo(const WindowState& state, LinearizedWindow& system) const {
+  const double information = kWeight / (median_ * median_);
+  for (std::size_t i = 0; i < state.points.size(); ++i) {
+    const double beyond = excess(state.points[i]);
+    if (beyond <= 0.0) continue;
+    system.H_depth(static_cast<Eigen::Index>(i)) += information;
+    system.b_depth(static_cast<Eigen::Index>(i)) += information * beyond;
+  }
+}
+
+bool DepthPrior::isPlausible(double inverse_depth) const { return inverse_depth < kNearest * median_; }
+
+}  // namespace mba_vo

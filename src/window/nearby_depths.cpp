@@ -1,0 +1,33 @@
+#include "mba_vo/window/nearby_depths.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace mba_vo {
+namespace {
+
+constexpr std::size_t kMinPoints = 20;
+constexpr std::size_t kUsedPoints = 400;  // more do not change a guess, but cost time
+
+}  // namespace
+
+NearbyDepths::NearbyDepths(const std::vector<ReferencePoint>& points) : known_(points.size() >= kMinPoints) {
+  const std::size_t stride = std::max<std::size_t>(points.size() / kUsedPoints, 1);
+  sample_.reserve(points.size() / stride + 1);
+  for (std::size_t i = 0; i < points.size(); i += stride) sample_.push_back(points[i]);
+}
+
+double NearbyDepths::at(const Eigen::Vector2d& pixel) const {
+  const Eigen::Vector2f place = pixel.cast<float>();
+  float sum = 0.0F;
+  float weights = 0.0F;
+  for (const ReferencePoint& point : sample_) {
+    const float squared_distance = (point.pixel - place).squaredNorm();
+    const float weight = 1.0F / (squared_distance * squared_distance + 1.0F);
+    sum += weight * point.inverse_depth;
+    weights += weight;
+  }
+  return static_cast<double>(sum / weights);
+}
+
+}  // namespace mba_vo

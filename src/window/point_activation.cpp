@@ -1,0 +1,92 @@
+#include "mba_vo/window/point_activation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "mba_vo/blur/row_motion.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr double kMinDistance = 2.0;    // [px]
+constexpr double kMaxDistance = 30.0;   // [px]
+constexpr double kCertainSearch = 8.0;  // [px] a longer last search leaves the depth ambiguous
+constexpr double kMinQuality = 3.0;
+constexpr double kBorder = 5.0;  // [px]
+constexpr double kInitialRelativeSigma = 0.05;
+
+std::optional<RollingProjection> see(const PinholeCamera& camera, const Eigen::Vector3d& point) {
+  if (point.z() <= 0.0) return std::nullopt;
+  return RollingProjection{camera.project(point), point.z()};
+}
+
+}  // namespace
+
+SpacingGrid::SpacingGrid(const PinholeCamera& camera, double distance_px)
+    : distance_px_(distance_px),
+      columns_(static_cast<int>(std::ceil(camera.width / distance_px)) + 1),
+      rows_(static_cast<int>(std::ceil(camera.height / distance_px)) + 1),
+      occupied_(static_cast<std::size_t>(columns_ * rows_), false) {}
+
+std::size_t SpacingGrid::cell(const Eigen::Vector2d& pixel) const {
+  const int column = std::clamp(static_cast<int>(pixel.x() / distance_px_), 0, columns_ - 1);
+  const int row = std::clamp(static_cast<int>(pixel.y() / distance_px_), 0, rows_ - 1);
+  return static_cast<std::size_t>(row * columns_ + column);
+}
+
+double adaptedDistance(double distance_px, int points, int wanted) {
+  const double ratio = static_cast<double>(points) / std::max(wanted, 1);
+  const double factor = std::clamp(std::sqrt(ratio), 0.8, 1.25);
+  return std::clamp(factor * distance_px, kMinDistance, kMaxDistance);
+}
+
+bool isReadyToActivate(const ImmaturePoint& point) {
+  using State = ImmaturePoint::State;
+  if (point.measured.known()) return true;
+  const bool searched = point.state == State::kGood || point.state == State::kSkipped ||
+                        point.state == State::kBadCondition || point.state == State::kOutOfBounds;
+  return searched && point.hasDepth() && point.inverseDepth() > 0.0 && point.last_search_length_px < kCertainSearch &&
+         point.quality > kMinQuality;
+}
+
+std::vector<ReferencePoint> projectPoints(const Window& window, const std::vector<WindowPoint>& points,
+                                          const PinholeCamera& camera, const SE3& T_map_camera,
+                                          const Vector6& velocity) {
+  struct Host {
+    SE3 T_camera_host;
+    MovingPose at_row;  // the host saw the point when its own row was read
+  };
+  std::map<KeyframeId, Host> hosts;
+  for (const KeyframeId id : window.keyframes()) {
+    const SE3 T = T_map_camera.inverse() * window.T_map_keyframe(id);
+    hosts[id] = {T, MovingPose(RigidMotion(T), window.velocity(id))};
+  }
+  const bool rolling = camera.row_time != 0.0;
+  std::vector<ReferencePoint> projected;
+  for (const WindowPoint& point : points) {
+    const Eigen::Vector3d in_host = camera.unproject(point.pixel) / point.inverse_depth;
+    const Host& host = hosts.at(point.host);
+    const auto seen = rolling
+                          ? projectRolling(camera, velocity, host.at_row.at(camera.rowDelay(point.pixel.y())) * in_host)
+                          : see(camera, host.T_camera_host * in_host);
+    if (!seen || !camera.contains(seen->pixel, kBorder)) continue;
+    const Eigen::Vector2d& pixel = seen->pixel;
+    const double inverse_depth = 1.0 / seen->depth;
+    const double ratio = inverse_depth / point.inverse_depth;
+    // A point without residuals knows its depth from initialisation only.
+    const double initial_sigma = kInitialRelativeSigma * point.inverse_depth;
+    const double variance = std::min(kResidualVariance * point.variance, initial_sigma * initial_sigma);
+    projected.push_back({pixel.cast<float>(), static_cast<float>(inverse_depth),
+                         static_cast<float>(variance * ratio * ratio * ratio * ratio)});
+  }
+  return projected;
+}
+
+std::vector<ReferencePoint> pointsSeenBy(const Window& window, const std::vector<WindowPoint>& points,
+                                         const PinholeCamera& camera, KeyframeId keyframe) {
+  return projectPoints(window, points, camera, window.T_map_keyframe(keyframe), window.velocity(keyframe));
+}
+
+}  // namespace mba_vo

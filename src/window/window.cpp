@@ -1,0 +1,290 @@
+#include "mba_vo/window/window.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "mba_vo/window/calibration_system.h"
+#include "mba_vo/window/gauge_hold.h"
+#include "mba_vo/window/host_error.h"
+#include "mba_vo/window/keyframe_retirement.h"
+#include "mba_vo/window/motion_alignment.h"
+#include "mba_vo/window/window_marginalizer.h"
+#include "mba_vo/window/window_optimizer.h"
+#include "mba_vo/window/window_point_activation.h"
+#include "mba_vo/window/window_points.h"
+
+namespace mba_vo {
+namespace {
+
+// Gauge: the pose of the first keyframe and the scale of the first window cannot be observed, so the strength of the
+// priors that hold them does not change the estimate.
+constexpr double kPoseAnchor = 1e10;        // information of the first pose [1/m^2, 1/rad^2]
+constexpr double kScaleAnchor = 1e10;       // information of the log of the scale
+constexpr double kBrightnessAnchor = 1e10;  // information of the first keyframe's a and b
+
+constexpr int kCalibrationStride = 4;  // of the points that tell about the calibration: a quarter is more than enough
+
+ResidualOptions residualOptions(const WindowConfig& config) {
+  ResidualOptions options;
+  options.huber_threshold = static_cast<float>(config.huber_threshold);
+  options.gradient_constant = static_cast<float>(config.gradient_constant);
+  options.sample_spacing_px = static_cast<float>(config.sample_spacing_px);
+  options.max_samples = config.max_samples;
+  return options;
+}
+
+WindowOptimizerOptions optimizerOptions(const WindowConfig& config) {
+  WindowOptimizerOptions options;
+  options.min_relative_decrease = config.min_relative_decrease;
+  return options;
+}
+
+void check(const WindowKeyframe& keyframe, const WindowConfig& config) {
+  const std::string name = "window: keyframe " + std::to_string(keyframe.id);
+  if (keyframe.sharp == nullptr || keyframe.sharp->levels() == 0) {
+    throw std::invalid_argument(name + " has no sharp image");
+  }
+  if (config.reblur_targets && (keyframe.original == nullptr || keyframe.original->levels() == 0)) {
+    throw std::invalid_argument(name + " has no original image, which reblur_targets needs");
+  }
+}
+
+}  // namespace
+
+class Window::Impl {
+ public:
+  explicit Impl(const WindowConfig& config)
+      : config_(config),
+        residual_options_(residualOptions(config)),
+        linearizer_(residual_options_, config.reblur_targets),
+        optimizer_(linearizer_, config.huber_threshold, optimizerOptions(config)),
+        marginalizer_(linearizer_, WindowMarginalizerOptions()),
+        activation_(residual_options_, WindowPointActivationOptions()),
+        anchor_(kScaleAnchor) {}
+
+  KeyframeState stateOf(const WindowKeyframe& keyframe) const;
+  void addKeyframe(const WindowKeyframe& keyframe);
+  PointId insert(PointState point);
+  void addResidual(PointState& point, int target) const;
+  std::vector<KeyframeId> keyframesToMarginalize() const;
+  void marginalizePoints();
+  void marginalize(KeyframeId keyframe);
+  const std::vector<PairGeometry>& pairs();
+
+  WindowConfig config_;
+  ResidualOptions residual_options_;
+  WindowLinearizer linearizer_;
+  WindowOptimizer optimizer_;
+  WindowMarginalizer marginalizer_;
+  WindowPointActivation activation_;
+  ScaleAnchor anchor_;
+  bool anchor_chosen_ = false;
+  WindowState state_;
+  std::vector<PairGeometry> pairs_;  // of the current state; empty: not made yet
+  PointId next_point_ = 0;
+  CalibrationCorrection correction_;
+};
+
+/// The state in which a keyframe enters the window.
+KeyframeState Window::Impl::stateOf(const WindowKeyframe& keyframe) const {
+  check(keyframe, config_);
+  KeyframeState added;
+  added.id = keyframe.id;
+  added.sharp = keyframe.sharp;
+  added.original = keyframe.original;
+  added.image_xi = keyframe.image_xi;
+  added.velocity = keyframe.velocity;
+  added.blur_length_px = keyframe.blur_length_px;
+  added.xi = added.expected_xi = keyframe.xi;
+  added.correction = keyframe.correction;
+  added.lacking.values = correction_.values - keyframe.correction.values;
+  added.T_linear = keyframe.T_map_keyframe;
+  added.brightness_linear = keyframe.brightness;
+  // Until its own residuals are known: as strict as the previous keyframe, at first twice the square of the Huber
+  // threshold per pixel.
+  added.outlier_energy = 2.0 * kResidualPixels * config_.huber_threshold * config_.huber_threshold;
+  if (!state_.keyframes.empty()) {
+    const KeyframeState& previous = state_.keyframes.back();
+    added.outlier_energy = previous.outlier_energy;
+    added.huber_threshold = previous.huber_threshold;
+    added.precision = previous.precision;
+  }
+  return added;
+}
+
+void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
+  for (const KeyframeState& k : state_.keyframes) {
+    if (k.id == keyframe.id) {
+      throw std::invalid_argument("window: keyframe " + std::to_string(keyframe.id) + " is already in it");
+    }
+  }
+  const bool first = state_.keyframes.empty();
+  pairs_.clear();
+  state_.keyframes.push_back(stateOf(keyframe));
+  state_.prior.appendKeyframe();
+  const int index = state_.size() - 1;
+  Vector8 information = Vector8::Zero();
+  Vector8 deviation = Vector8::Zero();
+  if (first) {
+    information << Vector6::Constant(kPoseAnchor), kBrightnessAnchor, kBrightnessAnchor;
+    state_.prior.connect(index);
+  } else {
+    information(6) = std::pow(config_.brightness_gain_sigma, -2.0);
+    information(7) = std::pow(config_.brightness_offset_sigma, -2.0);
+    deviation.tail<2>() << keyframe.brightness.a, keyframe.brightness.b;
+  }
+  state_.prior.addDiagonal(index, information, deviation);
+}
+
+PointId Window::Impl::insert(PointState point) {
+  point.id = next_point_++;
+  state_.points.push_back(std::move(point));
+  return state_.points.back().id;
+}
+
+void Window::Impl::addResidual(PointState& point, int target) const {
+  const bool known = std::any_of(point.residuals.begin(), point.residuals.end(),
+                                 [target](const PatchResidual& r) { return r.target == target; });
+  if (known || target == point.host) return;
+  PatchResidual residual;
+  residual.target = target;
+  point.residuals.push_back(residual);
+}
+
+std::vector<KeyframeId> Window::Impl::keyframesToMarginalize() const {
+  const KeyframeRetirementOptions options{config_.max_keyframes, config_.min_keyframes, config_.max_residuals,
+                                          config_.max_residuals_blurred, config_.long_blur_px};
+  std::vector<KeyframeId> ids;
+  for (const int i : keyframesToRetire(state_, options)) ids.push_back(state_.keyframe(i).id);
+  return ids;
+}
+
+void Window::Impl::marginalizePoints() {
+  anchor_.moveToPrior(state_);
+  marginalizer_.marginalizeUnseen(state_);
+}
+
+void Window::Impl::marginalize(KeyframeId keyframe) {
+  const int index = state_.indexOf(keyframe);
+  pairs_.clear();
+  marginalizePoints();
+  marginalizer_.marginalizeHosted(state_, index);
+  marginalizer_.marginalizeKeyframe(state_, index);
+}
+
+const std::vector<PairGeometry>& Window::Impl::pairs() {
+  if (pairs_.empty()) pairs_ = makePairGeometries(state_, config_.reblur_targets);
+  return pairs_;
+}
+
+Window::Window(const WindowConfig& config, bool /*deterministic*/) : impl_(std::make_unique<Impl>(config)) {}
+Window::~Window() = default;
+
+void Window::addKeyframe(const WindowKeyframe& keyframe) { impl_->addKeyframe(keyframe); }
+
+void Window::replaceImage(KeyframeId id, std::shared_ptr<const ImagePyramid> sharp) {
+  impl_->state_.replaceImage(impl_->state_.indexOf(id), std::move(sharp));
+  impl_->pairs_.clear();
+}
+
+bool Window::explainsAsWell(KeyframeId host, const std::shared_ptr<const ImagePyramid>& sharp,
+                            const std::vector<ReferencePoint>& points) const {
+  const int index = impl_->state_.indexOf(host);
+  const auto error = compareHostImages(impl_->state_, index, sharp, points, impl_->linearizer_);
+  return error && error->with_sharp_image <= error->with_own_image;
+}
+
+PointId Window::addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,
+                         const MeasuredDepth& measured) {
+  if (!(inverse_depth > 0.0) || !std::isfinite(inverse_depth)) {
+    throw std::invalid_argument("window: inverse depth is " + std::to_string(inverse_depth) + ", must be positive");
+  }
+  PointState point;
+  point.host = impl_->state_.indexOf(host);
+  point.pixel = pixel;
+  point.inverse_depth = inverse_depth;
+  point.measured = measured;
+  point.information = measuredDepthTerm(measured, inverse_depth, impl_->state_.meanPrecision()).H;
+  for (int t = 0; t < impl_->state_.size(); ++t) impl_->addResidual(point, t);
+  return impl_->insert(std::move(point));
+}
+
+std::optional<PointId> Window::activatePoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,
+                                             const Eigen::Vector2d& slope, const MeasuredDepth& measured) {
+  if (!(inverse_depth > 0.0) || !std::isfinite(inverse_depth)) return std::nullopt;
+  std::optional<PointState> point = impl_->activation_.activate(
+      impl_->state_, impl_->pairs(), impl_->state_.indexOf(host), pixel, inverse_depth, slope, measured);
+  if (!point) return std::nullopt;
+  return impl_->insert(std::move(*point));
+}
+
+void Window::addResidualsTo(KeyframeId target) {
+  const int index = impl_->state_.indexOf(target);
+  for (PointState& point : impl_->state_.points) impl_->addResidual(point, index);
+}
+
+bool Window::alignNewest() {
+  impl_->pairs_.clear();
+  return mba_vo::alignNewest(impl_->state_, impl_->residual_options_);
+}
+
+std::optional<KeyframeMotion> Window::align(const WindowKeyframe& frame) const {
+  return alignFrame(impl_->state_, impl_->stateOf(frame), impl_->residual_options_);
+}
+
+WindowSummary Window::optimize(int max_iterations) {
+  if (!impl_->anchor_chosen_ && impl_->state_.size() > 1 && !impl_->state_.hasMeasuredDepths()) {
+    impl_->anchor_.choose(impl_->state_);
+    impl_->anchor_chosen_ = impl_->anchor_.active();
+  }
+  impl_->pairs_.clear();
+  const GaugeHold gauge(impl_->state_);
+  const WindowSummary summary = impl_->optimizer_.optimize(impl_->state_, impl_->anchor_, max_iterations);
+  if (!impl_->anchor_.active()) gauge.restore(impl_->state_);
+  return summary;
+}
+
+void Window::setCorrection(const CalibrationCorrection& correction) {
+  impl_->correction_ = correction;
+  for (KeyframeState& k : impl_->state_.keyframes) k.lacking.values = correction.values - k.correction.values;
+  impl_->pairs_.clear();
+}
+
+CalibrationSystem Window::calibrationSystem() {
+  return linearizeCalibration(impl_->state_, impl_->linearizer_, kCalibrationStride);
+}
+
+std::vector<KeyframeId> Window::keyframesToMarginalize() const { return impl_->keyframesToMarginalize(); }
+void Window::marginalizePoints() { impl_->marginalizePoints(); }
+void Window::marginalize(KeyframeId keyframe) { impl_->marginalize(keyframe); }
+
+std::vector<KeyframeId> Window::keyframes() const {
+  std::vector<KeyframeId> ids;
+  for (const KeyframeState& k : impl_->state_.keyframes) ids.push_back(k.id);
+  return ids;
+}
+
+SE3 Window::T_map_keyframe(KeyframeId id) const {
+  return impl_->state_.keyframe(impl_->state_.indexOf(id)).T_map_keyframe();
+}
+
+Vector6 Window::velocity(KeyframeId id) const { return impl_->state_.keyframe(impl_->state_.indexOf(id)).velocity; }
+
+Vector6 Window::imageMotion(KeyframeId id) const { return impl_->state_.keyframe(impl_->state_.indexOf(id)).image_xi; }
+
+AffineBrightness Window::brightness(KeyframeId id) const {
+  return impl_->state_.keyframe(impl_->state_.indexOf(id)).brightness();
+}
+
+std::vector<WindowPoint> Window::points() const { return describePoints(impl_->state_); }
+
+void Window::setSlopes(const std::vector<WindowPoint>& points,
+                       const std::function<std::optional<Eigen::Vector2d>(const WindowPoint&)>& slopeOf) {
+  mba_vo::setSlopes(impl_->state_, points, slopeOf);
+}
+
+int Window::pointCount() const { return static_cast<int>(impl_->state_.points.size()); }
+
+}  // namespace mba_vo

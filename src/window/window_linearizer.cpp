@@ -1,0 +1,237 @@
+#include "mba_vo/window/window_linearizer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "mba_vo/image/parallel_for.h"
+#include "mba_vo/solver/residual_spread.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr int kMaxChunks = 16;
+constexpr int kMinChunkPoints = 64;
+
+/// Calls body(chunk, row) for all rows, those of different chunks on different threads.
+template <typename Body>
+void forEachRow(std::size_t rows, const Body& body) {
+  const std::size_t chunk_rows = std::max<std::size_t>(kMinChunkPoints, (rows + kMaxChunks - 1) / kMaxChunks);
+  parallelFor((rows + chunk_rows - 1) / chunk_rows, [&](std::size_t chunk) {
+    const std::size_t end = std::min((chunk + 1) * chunk_rows, rows);
+    for (std::size_t row = chunk * chunk_rows; row < end; ++row) body(chunk, row);
+  });
+}
+
+const PairGeometry& pairOf(const std::vector<PairGeometry>& pairs, const WindowState& state, const PointState& point,
+                           const PatchResidual& residual) {
+  return pairs[static_cast<std::size_t>(point.host * state.size() + residual.target)];
+}
+
+std::vector<int> numbersOf(const std::vector<PointState>& points) {
+  std::vector<int> numbers(points.size());
+  std::iota(numbers.begin(), numbers.end(), 0);
+  return numbers;
+}
+
+bool isGoodTrial(const WindowState& state, const PatchResidual& residual) {
+  return residual.trial_energy <= state.keyframe(residual.target).outlier_energy;  // false for kNoEnergy
+}
+
+}  // namespace
+
+/// Sums of the residuals of one host in one target, in the target's states.
+struct PairSums {
+  Matrix8 H = Matrix8::Zero();
+  Vector8 b = Vector8::Zero();
+};
+
+struct WindowLinearizer::Chunk {
+  std::vector<PairSums> pairs;  // host * keyframes + target
+};
+
+void WindowLinearizer::evaluateResidual(const PairGeometry& pair, const PointState& point, PatchResidual& residual,
+                                        PatchComparison& comparison) const {
+  residual.trial_energy = kNoEnergy;
+  PatchPath path;
+  if (!residual.has_pixels || !makePath(pair, residual.centre, point, path)) return;
+  residual.drift = projectionDrift(path, point.pixel);
+  if (!comparePatch(pair, path, residual, options_, comparison)) return;
+  residual.trial_energy = comparison.energy;
+  residual.misfit = comparison.misfit;
+}
+
+void WindowLinearizer::placePixels(WindowState& state, float max_drift) const {
+  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_, numbersOf(state.points));
+  for (PointState& point : state.points) {
+    for (PatchResidual& residual : point.residuals) {
+      if (residual.has_pixels && residual.drift <= max_drift) continue;
+      mba_vo::placePixels(pairOf(pairs, state, point, residual), point.pixel, point.inverse_depth, options_, residual,
+                          point.slope);
+    }
+  }
+}
+
+void WindowLinearizer::evaluate(WindowState& state, const std::vector<int>& points, WindowEvaluation& out) const {
+  out.points = points;
+  out.pairs = makePairGeometries(state, reblur_targets_, points);
+  out.first.clear();
+  std::size_t residuals = 0;
+  for (const int i : points) {
+    out.first.push_back(residuals);
+    residuals += state.points[static_cast<std::size_t>(i)].residuals.size();
+  }
+  out.patches.resize(residuals);
+  forEachRow(points.size(), [&](std::size_t /*chunk*/, std::size_t row) {
+    PointState& point = state.points[static_cast<std::size_t>(points[row])];
+    std::size_t patch = out.first[row];
+    for (PatchResidual& residual : point.residuals) {
+      evaluateResidual(pairOf(out.pairs, state, point, residual), point, residual, out.patches[patch++]);
+    }
+  });
+}
+
+void WindowLinearizer::followResiduals(WindowState& state, WindowEvaluation& evaluation) const {
+  const auto forEach = [&](const auto& body) {
+    for (std::size_t row = 0; row < evaluation.points.size(); ++row) {
+      PointState& point = state.points[static_cast<std::size_t>(evaluation.points[row])];
+      std::size_t patch = evaluation.first[row];
+      for (PatchResidual& residual : point.residuals) {
+        PatchComparison& comparison = evaluation.patches[patch++];
+        if (!std::isnan(residual.trial_energy)) body(point, residual, comparison);
+      }
+    }
+  };
+  std::vector<std::vector<float>> sizes(state.keyframes.size());
+  forEach([&](const PointState&, const PatchResidual& residual, const PatchComparison& comparison) {
+    auto& into = sizes[static_cast<std::size_t>(residual.target)];
+    for (const float r : comparison.r) into.push_back(std::abs(r));
+  });
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    if (sizes[i].empty()) continue;
+    const double spread = residualSpread(sizes[i]);
+    const double largest = static_cast<double>(options_.huber_threshold);
+    state.keyframes[i].huber_threshold = static_cast<float>(huberThreshold(spread, largest));
+    state.keyframes[i].precision = static_cast<float>(residualPrecision(spread));
+  }
+  for (std::size_t i = 0; i < evaluation.pairs.size(); ++i) {
+    const KeyframeState& target = state.keyframes[i % state.keyframes.size()];
+    evaluation.pairs[i].huber_threshold = target.huber_threshold;
+    evaluation.pairs[i].precision = target.precision;
+  }
+  forEach([&](const PointState& point, PatchResidual& residual, PatchComparison& comparison) {
+    weighComparison(pairOf(evaluation.pairs, state, point, residual), residual, options_, comparison);
+    residual.trial_energy = comparison.energy;
+  });
+}
+
+void WindowLinearizer::replacePixels(WindowState& state, float max_drift, WindowEvaluation& evaluation) const {
+  for (std::size_t row = 0; row < evaluation.points.size(); ++row) {
+    PointState& point = state.points[static_cast<std::size_t>(evaluation.points[row])];
+    std::size_t patch = evaluation.first[row];
+    for (PatchResidual& residual : point.residuals) {
+      PatchComparison& comparison = evaluation.patches[patch++];
+      if (residual.has_pixels && residual.drift <= max_drift) continue;
+      const PairGeometry& pair = pairOf(evaluation.pairs, state, point, residual);
+      mba_vo::placePixels(pair, point.pixel, point.inverse_depth, options_, residual, point.slope);
+      evaluateResidual(pair, point, residual, comparison);
+    }
+  }
+}
+
+void WindowLinearizer::assemblePoint(const WindowState& state, const WindowEvaluation& evaluation, int row,
+                                     Chunk& chunk, LinearizedWindow& out) {
+  const auto index = static_cast<std::size_t>(row);
+  const PointState& point = state.points[static_cast<std::size_t>(evaluation.points[index])];
+  std::size_t patch = evaluation.first[index];
+  auto V = out.V.row(row);
+  Vector8 host_depth = Vector8::Zero();
+  double H_depth = 0.0;
+  double b_depth = 0.0;
+  PatchPath path;
+  ResidualSystem system;
+  for (const PatchResidual& residual : point.residuals) {
+    const PatchComparison& comparison = evaluation.patches[patch++];
+    if (!isGoodTrial(state, residual)) continue;
+    const PairGeometry& pair = pairOf(evaluation.pairs, state, point, residual);
+    if (!makeJacobianPath(pair, residual.centre, point, path)) continue;
+    assembleSystem(comparison, path, pair.blurred, system);
+    PairSums& sums = chunk.pairs[static_cast<std::size_t>(&pair - evaluation.pairs.data())];
+    sums.H += system.H;
+    sums.b += system.b;
+    V.segment<kKeyframeDim>(kKeyframeDim * residual.target) += system.H_state_depth.transpose();
+    host_depth.noalias() += pair.J_host.transpose().lazyProduct(system.H_state_depth);
+    H_depth += system.H_depth;
+    b_depth += system.b_depth;
+  }
+  V.segment<kKeyframeDim>(kKeyframeDim * point.host) += host_depth.transpose();
+  out.H_depth(row) = H_depth;
+  out.b_depth(row) = b_depth;
+}
+
+void WindowLinearizer::assembleDepths(const WindowState& state, const WindowEvaluation& evaluation,
+                                      Eigen::VectorXd& H_depth) const {
+  H_depth.setZero(static_cast<Eigen::Index>(evaluation.points.size()));
+  forEachRow(evaluation.points.size(), [&](std::size_t /*chunk*/, std::size_t row) {
+    const PointState& point = state.points[static_cast<std::size_t>(evaluation.points[row])];
+    std::size_t patch = evaluation.first[row];
+    PatchPath path;
+    for (const PatchResidual& residual : point.residuals) {
+      const PatchComparison& comparison = evaluation.patches[patch++];
+      if (!isGoodTrial(state, residual)) continue;
+      const PairGeometry& pair = pairOf(evaluation.pairs, state, point, residual);
+      if (!makeJacobianPath(pair, residual.centre, point, path)) continue;
+      H_depth(static_cast<Eigen::Index>(row)) += assembleDepth(comparison, path, pair.blurred).H;
+    }
+  });
+}
+
+namespace {
+
+/// Adds the sums of one pair to the blocks of its host and its target.
+void addPair(const PairSums& sums, const Matrix8& J_host, int host, int target, LinearizedWindow& out) {
+  const int h = kKeyframeDim * host;
+  const int t = kKeyframeDim * target;
+  const Matrix8 H_host_target = J_host.transpose() * sums.H;
+  out.H.block<kKeyframeDim, kKeyframeDim>(t, t) += sums.H;
+  out.H.block<kKeyframeDim, kKeyframeDim>(h, h) += H_host_target * J_host;
+  out.H.block<kKeyframeDim, kKeyframeDim>(h, t) += H_host_target;
+  out.H.block<kKeyframeDim, kKeyframeDim>(t, h) += H_host_target.transpose();
+  out.b.segment<kKeyframeDim>(t) += sums.b;
+  out.b.segment<kKeyframeDim>(h) += J_host.transpose() * sums.b;
+}
+
+}  // namespace
+
+void WindowLinearizer::assemble(const WindowState& state, const WindowEvaluation& evaluation,
+                                LinearizedWindow& out) const {
+  const int n = state.size();
+  const std::vector<PairGeometry>& pairs = evaluation.pairs;
+  out.setZero(kKeyframeDim * n, static_cast<int>(evaluation.points.size()));
+  std::vector<Chunk> chunks(kMaxChunks);
+  for (Chunk& chunk : chunks) chunk.pairs.resize(pairs.size());
+  forEachRow(evaluation.points.size(), [&](std::size_t chunk, std::size_t row) {
+    assemblePoint(state, evaluation, static_cast<int>(row), chunks[chunk], out);
+  });
+
+  for (int h = 0; h < n; ++h) {
+    for (int t = 0; t < n; ++t) {
+      const auto index = static_cast<std::size_t>(h * n + t);
+      if (!pairs[index].path) continue;  // without residuals
+      PairSums total;
+      for (const Chunk& chunk : chunks) {
+        total.H += chunk.pairs[index].H;
+        total.b += chunk.pairs[index].b;
+      }
+      addPair(total, pairs[index].J_host, h, t, out);
+    }
+  }
+}
+
+void WindowLinearizer::linearize(WindowState& state, const std::vector<int>& points, LinearizedWindow& out) const {
+  WindowEvaluation evaluation;
+  evaluate(state, points, evaluation);
+  assemble(state, evaluation, out);
+}
+
+}  // namespace mba_vo

@@ -1,0 +1,90 @@
+#include "mba_vo/window/window_point_activation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mba_vo {
+namespace {
+
+constexpr double kMaxDepthFactor = 2.0;  // by which one step may change the inverse depth
+
+}  // namespace
+
+WindowPointActivation::Evaluation WindowPointActivation::evaluate(const WindowState& state,
+                                                                  const std::vector<PairGeometry>& pairs,
+                                                                  bool place_pixels, PointState& point) const {
+  Evaluation total;
+  PatchPath path;
+  PatchComparison comparison;
+  for (PatchResidual& residual : point.residuals) {
+    const PairGeometry& pair = pairs[static_cast<std::size_t>(point.host * state.size() + residual.target)];
+    const double limit = state.keyframe(residual.target).outlier_energy;
+    if (place_pixels) placePixels(pair, point.pixel, point.inverse_depth, residual_options_, residual, point.slope);
+    const bool seen = residual.has_pixels && makePath(pair, residual.centre, point, path);
+    if (!seen || !comparePatch(pair, path, residual, residual_options_, comparison)) {
+      // Leaving an image never pays: the energy before the step, if any, still counts.
+      if (!std::isnan(residual.energy)) total.cost += std::min(static_cast<double>(residual.energy), limit);
+      continue;
+    }
+    residual.energy = comparison.energy;
+    total.cost += std::min(static_cast<double>(comparison.energy), limit);
+    if (!state.isGood(residual)) continue;
+    const DepthSystem system = assembleDepth(comparison, path, pair.blurred);
+    total.H += system.H;
+    total.b += system.b;
+  }
+  const MeasuredDepthTerm measured = measuredDepthTerm(point.measured, point.inverse_depth, state.meanPrecision());
+  total.cost += measured.cost;
+  total.H += measured.H;
+  total.b += measured.b;
+  return total;
+}
+
+bool WindowPointActivation::acceptable(const WindowState& state, const PointState& point,
+                                       const Evaluation& evaluation) const {
+  const auto inside = std::count_if(point.residuals.begin(), point.residuals.end(),
+                                    [](const PatchResidual& r) { return std::isfinite(r.energy); });
+  const int good = state.goodResiduals(point);
+  return good >= options_.min_good_residuals && good >= options_.min_good_fraction * static_cast<double>(inside) &&
+         evaluation.H * point.inverse_depth * point.inverse_depth >= options_.min_relative_information;
+}
+
+std::optional<PointState> WindowPointActivation::activate(const WindowState& state,
+                                                          const std::vector<PairGeometry>& pairs, int host,
+                                                          const Eigen::Vector2d& pixel, double inverse_depth,
+                                                          const Eigen::Vector2d& slope,
+                                                          const MeasuredDepth& measured) const {
+  PointState point;
+  point.host = host;
+  point.pixel = pixel;
+  point.inverse_depth = inverse_depth;
+  point.slope = slope;
+  point.measured = measured;
+  for (int t = 0; t < state.size(); ++t) {
+    if (t == host) continue;
+    PatchResidual residual;
+    residual.target = t;
+    point.residuals.push_back(residual);
+  }
+  // Pixels move with the point between steps; before and after one step the same are compared.
+  Evaluation current = evaluate(state, pairs, true, point);
+  double lambda = 1e-3;
+  for (int i = 0; i < options_.max_iterations && current.H > 0.0; ++i) {
+    PointState trial = point;
+    const double factor = 1.0 - current.b / (current.H * (1.0 + lambda)) / point.inverse_depth;
+    if (std::abs(factor - 1.0) < options_.min_relative_step) break;
+    trial.inverse_depth *= std::clamp(factor, 1.0 / kMaxDepthFactor, kMaxDepthFactor);
+    if (evaluate(state, pairs, false, trial).cost >= current.cost) {
+      lambda = std::max(lambda, 0.1) * 5.0;
+      continue;
+    }
+    point = std::move(trial);
+    current = evaluate(state, pairs, true, point);
+    lambda *= 0.1;
+  }
+  if (!acceptable(state, point, current)) return std::nullopt;
+  point.information = current.H;
+  return point;
+}
+
+}  // namespace mba_vo

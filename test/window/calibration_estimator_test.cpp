@@ -1,0 +1,56 @@
+#include "mba_vo/window/calibration_estimator.h"
+
+#include <gtest/gtest.h>
+
+namespace mba_vo {
+namespace {
+
+using Vector = CalibrationCorrection::Vector;
+
+/// Windows that know the truth, each with as much information about every number of the correction.
+CalibrationSystem windowOf(const Vector& truth, const CalibrationCorrection& used, double information) {
+  Vector sigma;
+  sigma << 1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-6;
+  CalibrationSystem system;
+  system.H = (information * sigma.array().square().inverse()).matrix().asDiagonal();
+  system.b = -system.H * (truth - used.values);
+  return system;
+}
+
+TEST(CalibrationEstimator, FindsTheTruth) {
+  Vector truth;
+  truth << 0.01, -0.004, 0.006, -0.02, 0.01, 4e-5;
+  CalibrationEstimator estimator;
+  for (int i = 0; i < 100; ++i) estimator.add(windowOf(truth, estimator.correction(), 1e3));
+  const Vector error = (estimator.correction().values - truth).cwiseAbs();
+  EXPECT_LT(error.head<5>().maxCoeff(), 1e-3);
+  EXPECT_LT(error(5), 1e-6);
+}
+
+TEST(CalibrationEstimator, DoesNotMoveForWhatIsNotSignificant) {
+  Vector truth = Vector::Zero();
+  truth(CalibrationCorrection::kK1) = 1e-3;
+  CalibrationEstimator estimator;
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(estimator.add(windowOf(truth, estimator.correction(), 1.0)));
+  EXPECT_TRUE(estimator.correction().isZero());
+}
+
+TEST(CalibrationEstimator, WantsSeveralWindowsToAgree) {
+  Vector truth = Vector::Zero();
+  truth(CalibrationCorrection::kFocal) = 0.02;
+  CalibrationEstimator estimator;
+  EXPECT_FALSE(estimator.add(windowOf(truth, estimator.correction(), 1e6)));
+  EXPECT_FALSE(estimator.add(windowOf(truth, estimator.correction(), 1e6)));
+}
+
+TEST(CalibrationEstimator, GoesOnFromAnEarlierCorrection) {
+  CalibrationCorrection start;
+  start.values(CalibrationCorrection::kRowTime) = 3e-5;
+  CalibrationEstimator estimator(start);
+  EXPECT_EQ(estimator.correction(), start);
+  for (int i = 0; i < 20; ++i) estimator.add(windowOf(start.values, estimator.correction(), 1e3));
+  EXPECT_NEAR(estimator.correction()[CalibrationCorrection::kRowTime], 3e-5, 1e-6);
+}
+
+}  // namespace
+}  // namespace mba_vo

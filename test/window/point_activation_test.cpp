@@ -1,0 +1,123 @@
+#include "mba_vo/window/point_activation.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "support/random.h"
+#include "window/planar_scene.h"
+
+namespace mba_vo {
+namespace {
+
+TEST(SpacingGrid, HasRoomForOnePointPerCell) {
+  const PinholeCamera camera{100, 60, 100.0, 100.0, 49.5, 29.5};
+  SpacingGrid grid(camera, 10.0);
+  EXPECT_TRUE(grid.isFree({25.0, 35.0}));
+  grid.occupy({25.0, 35.0});
+  EXPECT_FALSE(grid.isFree({20.0, 30.0}));
+  EXPECT_FALSE(grid.isFree({29.9, 39.9}));
+  EXPECT_TRUE(grid.isFree({30.1, 35.0}));
+  EXPECT_TRUE(grid.isFree({25.0, 29.9}));
+  // All pixels, the last row and column too, have a cell of their own.
+  for (int y = 0; y < camera.height; y += 10) {
+    for (int x = 0; x < camera.width; x += 10) grid.occupy({x, y});
+  }
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) EXPECT_FALSE(grid.isFree({x, y})) << x << " " << y;
+  }
+}
+
+/// Points that evenly textured images deliver at a spacing: one per cell.
+int pointsAt(double distance_px) { return static_cast<int>(752.0 * 480.0 / (distance_px * distance_px)); }
+
+TEST(AdaptedDistance, ReachesTheWantedNumberOfPointsFromBothSides) {
+  for (const double begin : {2.0, 6.0, 30.0}) {
+    for (const int wanted : {600, 2000, 8000}) {
+      double distance = begin;
+      for (int i = 0; i < 40; ++i) distance = adaptedDistance(distance, pointsAt(distance), wanted);
+      EXPECT_NEAR(pointsAt(distance), wanted, 0.02 * wanted) << "from " << begin;
+    }
+  }
+}
+
+TEST(AdaptedDistance, ChangesSlowlyAndStaysInItsRange) {
+  EXPECT_DOUBLE_EQ(adaptedDistance(10.0, 0, 2000), 8.0);
+  EXPECT_DOUBLE_EQ(adaptedDistance(10.0, 1000000, 2000), 12.5);
+  EXPECT_DOUBLE_EQ(adaptedDistance(10.0, 2000, 2000), 10.0);
+  EXPECT_DOUBLE_EQ(adaptedDistance(2.0, 0, 2000), 2.0);
+  EXPECT_DOUBLE_EQ(adaptedDistance(30.0, 1000000, 2000), 30.0);
+}
+
+ImmaturePoint certainPoint() {
+  ImmaturePoint point;
+  point.state = ImmaturePoint::State::kGood;
+  point.inverse_depth_min = 0.4;
+  point.inverse_depth_max = 0.5;
+  point.quality = 5.0;
+  point.last_search_length_px = 2.0;
+  return point;
+}
+
+TEST(IsReadyToActivate, DemandsASearchedUnambiguousDepth) {
+  using State = ImmaturePoint::State;
+  EXPECT_TRUE(isReadyToActivate(certainPoint()));
+  for (const State state : {State::kSkipped, State::kBadCondition, State::kOutOfBounds}) {
+    ImmaturePoint point = certainPoint();
+    point.state = state;  // of the last search; the interval of earlier ones stands
+    EXPECT_TRUE(isReadyToActivate(point));
+  }
+  for (const State state : {State::kUninitialized, State::kOutlier}) {
+    ImmaturePoint point = certainPoint();
+    point.state = state;
+    EXPECT_FALSE(isReadyToActivate(point));
+  }
+  ImmaturePoint ambiguous = certainPoint();
+  ambiguous.quality = 2.0;
+  EXPECT_FALSE(isReadyToActivate(ambiguous));
+  ImmaturePoint vague = certainPoint();
+  vague.last_search_length_px = 20.0;
+  EXPECT_FALSE(isReadyToActivate(vague));
+  ImmaturePoint unbounded = certainPoint();
+  unbounded.inverse_depth_max = -1.0;
+  EXPECT_FALSE(isReadyToActivate(unbounded));
+  EXPECT_FALSE(isReadyToActivate(ImmaturePoint()));
+}
+
+TEST(ProjectPoints, GivesTheTrueDepthInAnotherCamera) {
+  const test::PlanarScene scene = test::PlanarScene::corner();
+  const PinholeCamera camera = test::smallCamera();
+  const SE3 T_map_host = SE3();
+  Vector6 motion;
+  motion << 0.1, -0.05, 0.15, 0.02, -0.05, 0.03;
+  const SE3 T_map_camera = SE3::exp(motion);
+  Window window(WindowConfig{}, true);
+  const auto host = test::pyramidOf(scene.render(camera, T_map_host), camera);
+  const auto other = test::pyramidOf(scene.render(camera, T_map_camera), camera);
+  window.addKeyframe({0, host, host, T_map_host, Vector6::Zero(), Vector6::Zero(), {}});
+  window.addKeyframe({1, other, other, T_map_camera, Vector6::Zero(), Vector6::Zero(), {}});
+  int inside = 0;
+  for (int y = 20; y < 220; y += 20) {
+    for (int x = 20; x < 300; x += 20) {
+      const double d = scene.inverseDepth(camera, T_map_host, {x, y});
+      window.addPoint(0, {x, y}, d);
+      const Eigen::Vector3d seen = T_map_camera.inverse() * (camera.unproject({x, y}) / d);
+      inside += camera.contains(camera.project(seen), 6.0) ? 1 : 0;
+    }
+  }
+  const std::vector<ReferencePoint> projected = projectPoints(window, window.points(), camera, T_map_camera);
+  EXPECT_GE(static_cast<int>(projected.size()), inside);
+  EXPECT_LT(projected.size(), 140U);  // some leave the image
+  int exact = 0;
+  for (const ReferencePoint& point : projected) {
+    EXPECT_TRUE(camera.contains(point.pixel.cast<double>()));
+    EXPECT_GT(point.variance, 0.0F);
+    // Where another plane of the scene stands in between, the depth differs.
+    const double truth = scene.inverseDepth(camera, T_map_camera, point.pixel.cast<double>());
+    exact += std::abs(static_cast<double>(point.inverse_depth) - truth) < 1e-4 ? 1 : 0;
+  }
+  EXPECT_GT(exact, static_cast<int>(projected.size()) * 9 / 10);
+}
+
+}  // namespace
+}  // namespace mba_vo

@@ -1,0 +1,109 @@
+#include <array>
+#include <memory>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "mba_vo/window/window.h"
+#include "window/planar_scene.h"
+
+namespace mba_vo {
+namespace {
+
+/// Two blurred keyframes of the analytic scene, at their true poses, and points of true depths in the first one.
+struct Pair {
+  PinholeCamera camera = test::smallCamera();
+  test::PlanarScene scene = test::PlanarScene::corner(0.4);
+  std::array<SE3, 2> T_map_keyframe = {SE3(), SE3::exp((Vector6() << 0.05, 0.03, 0.01, 0.02, -0.03, 0.01).finished())};
+  std::array<Vector6, 2> xi = {(Vector6() << 0.03, 0.01, 0.0, 0.01, 0.03, 0.02).finished(),
+                               (Vector6() << -0.01, 0.02, 0.0, 0.03, -0.02, 0.01).finished()};
+  std::shared_ptr<const ImagePyramid> sharp = test::pyramidOf(scene.render(camera, T_map_keyframe[0]), camera);
+
+  std::vector<ReferencePoint> points() const {
+    std::vector<ReferencePoint> points;
+    for (int y = 20; y < camera.height - 20; y += 10) {
+      for (int x = 20; x < camera.width - 20; x += 10) {
+        const double inverse_depth = scene.inverseDepth(camera, T_map_keyframe[0], {x, y});
+        points.push_back({Eigen::Vector2f(x, y), static_cast<float>(inverse_depth), 0.0F});
+      }
+    }
+    return points;
+  }
+
+  /// The first keyframe as a host is sharp or blurred; `knows`: that it is.
+  void fill(Window& window, bool is_sharp, bool knows = true) const {
+    for (std::size_t i = 0; i < 2; ++i) {
+      WindowKeyframe keyframe;
+      keyframe.id = static_cast<KeyframeId>(i);
+      keyframe.original = test::pyramidOf(scene.renderBlurred(camera, T_map_keyframe[i], xi[i], 24), camera);
+      keyframe.T_map_keyframe = T_map_keyframe[i];
+      keyframe.xi = xi[i];
+      keyframe.sharp = i == 0 && is_sharp ? sharp : keyframe.original;
+      if (knows && keyframe.sharp == keyframe.original) keyframe.image_xi = xi[i];
+      window.addKeyframe(keyframe);
+    }
+    for (const ReferencePoint& p : points()) {
+      const Eigen::Vector2d pixel = p.pixel.cast<double>();
+      window.addPoint(0, pixel, scene.inverseDepth(camera, T_map_keyframe[0], pixel));
+    }
+  }
+};
+
+TEST(WindowReplacement, ASharpImageThatComesLaterIsAsOneThatWasThereFromTheBeginning) {
+  const Pair pair;
+  Window replaced(WindowConfig(), true), sharp(WindowConfig(), true);
+  pair.fill(replaced, false);
+  pair.fill(sharp, true);
+  const WindowSummary before = replaced.optimize(0);
+  sharp.optimize(0);
+  replaced.replaceImage(0, pair.sharp);
+  const WindowSummary after = replaced.optimize(0);
+  const WindowSummary expected = sharp.optimize(0);
+  EXPECT_GT(before.residuals, 300);
+  EXPECT_NE(before.rms, after.rms);
+  EXPECT_EQ(after.residuals, expected.residuals);
+  EXPECT_EQ(after.initial_cost, expected.initial_cost);
+  EXPECT_EQ(after.rms, expected.rms);
+  EXPECT_LT(after.rms, 1.0) << "the sharp image, blurred as the target is, is the target";
+}
+
+TEST(WindowReplacement, TheWindowGoesOnFromThere) {
+  const Pair pair;
+  Window window(WindowConfig(), true);
+  pair.fill(window, false);
+  window.optimize(3);
+  window.replaceImage(0, pair.sharp);
+  const WindowSummary summary = window.optimize(5);
+  EXPECT_LE(summary.final_cost, summary.initial_cost);
+  EXPECT_LT((window.T_map_keyframe(1).inverse() * pair.T_map_keyframe[1]).log().norm(), 1e-3);
+  EXPECT_THROW(window.replaceImage(7, pair.sharp), std::invalid_argument);
+}
+
+TEST(WindowReplacement, TellsWhetherAnImageExplainsTheOthersAsWell) {
+  const Pair pair;
+  const auto wrong = test::pyramidOf(pair.scene.render(pair.camera, pair.T_map_keyframe[1]), pair.camera);
+  for (const bool knows : {true, false}) {
+    Window window(WindowConfig(), true);
+    pair.fill(window, false, knows);
+    EXPECT_FALSE(window.explainsAsWell(0, wrong, pair.points()));
+    if (!knows) {
+      EXPECT_TRUE(window.explainsAsWell(0, pair.sharp, pair.points())) << "the blurred one passes for sharp";
+    }
+    EXPECT_FALSE(window.explainsAsWell(0, pair.sharp, {})) << "nothing to compare";
+  }
+}
+
+TEST(WindowReplacement, TryingAnImageChangesNothing) {
+  const Pair pair;
+  Window tried(WindowConfig(), true), other(WindowConfig(), true);
+  for (Window* window : {&tried, &other}) {
+    pair.fill(*window, false);
+    window->optimize(2);
+  }
+  tried.explainsAsWell(0, pair.sharp, pair.points());
+  EXPECT_EQ(tried.optimize(3).final_cost, other.optimize(3).final_cost);
+  EXPECT_EQ(tried.T_map_keyframe(1).log(), other.T_map_keyframe(1).log());
+}
+
+}  // namespace
+}  // namespace mba_vo

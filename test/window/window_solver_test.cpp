@@ -1,0 +1,127 @@
+#include <gtest/gtest.h>
+#include <Eigen/Dense>
+
+#include "mba_vo/solver/reduced_camera_solver.h"
+#include "mba_vo/window/marginalization_prior.h"
+#include "mba_vo/window/schur_complement.h"
+#include "support/random.h"
+
+namespace mba_vo {
+namespace {
+
+/// A random least-squares problem: `states` camera states, `points` depths, each depth in four residuals of its own.
+struct Problem {
+  LinearizedWindow system;
+  Eigen::MatrixXd H_full;
+  Eigen::VectorXd b_full;
+};
+
+Problem randomProblem(test::Random& random, int states, int points) {
+  const int rows = 4 * points;
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(rows, states + points);
+  J.leftCols(states) = random.matrix(rows, states);
+  for (int p = 0; p < points; ++p) J.block(4 * p, states + p, 4, 1) = random.matrix(4, 1);
+  const Eigen::VectorXd r = random.matrix(rows, 1);
+  Problem problem;
+  problem.H_full = J.transpose() * J;
+  problem.b_full = J.transpose() * r;
+  problem.system.H = problem.H_full.topLeftCorner(states, states);
+  problem.system.b = problem.b_full.head(states);
+  problem.system.V = problem.H_full.bottomLeftCorner(points, states);
+  problem.system.H_depth = problem.H_full.diagonal().tail(points);
+  problem.system.b_depth = problem.b_full.tail(points);
+  return problem;
+}
+
+TEST(SchurComplement, StepEqualsDenseSolution) {
+  test::Random random(1);
+  for (const int states : {8, 24, 56, 120}) {
+    const int points = 3 * states;
+    const Problem problem = randomProblem(random, states, points);
+    SchurComplement schur;
+    ReducedSystem reduced;
+    ReducedCameraSolver solver;
+    for (const double lambda : {1.0, 1e-3, 0.0}) {  // in this order: damping must not accumulate
+      schur.reduce(problem.system, lambda, reduced);
+      Eigen::VectorXd x;
+      ASSERT_TRUE(solver.solve(reduced.H, reduced.b, x));
+      const Eigen::VectorXd d = schur.solveDepths(problem.system, x);
+      Eigen::MatrixXd damped = problem.H_full;
+      damped.diagonal() *= 1.0 + lambda;
+      const Eigen::VectorXd expected = -damped.ldlt().solve(problem.b_full);
+      EXPECT_LT((x - expected.head(states)).norm(), 1e-8 * expected.norm()) << states << " states, lambda " << lambda;
+      EXPECT_LT((d - expected.tail(points)).norm(), 1e-8 * expected.norm()) << states << " states, lambda " << lambda;
+    }
+  }
+}
+
+TEST(SchurComplement, PointsWithoutInformationStay) {
+  test::Random random(2);
+  Problem problem = randomProblem(random, 8, 20);
+  problem.system.V.row(3).setZero();
+  problem.system.H_depth(3) = problem.system.b_depth(3) = 0.0;
+  SchurComplement schur;
+  ReducedSystem reduced;
+  schur.reduce(problem.system, 0.0, reduced);
+  EXPECT_TRUE(reduced.H.allFinite());
+  EXPECT_EQ(schur.solveDepths(problem.system, Eigen::VectorXd::Ones(8))(3), 0.0);
+}
+
+TEST(MarginalizationPrior, KeepsTheMinimumOfTheJointProblem) {
+  test::Random random(5);
+  MarginalizationPrior prior;
+  for (int i = 0; i < 4; ++i) prior.appendKeyframe();
+  // States of very different units, as metres, radians and grey levels are.
+  const Eigen::VectorXd units = Eigen::VectorXd::LinSpaced(32, -8.0, 8.0).array().exp();
+  const Eigen::MatrixXd J = random.matrix(60, 32) * units.asDiagonal();
+  const Eigen::MatrixXd H = J.transpose() * J;
+  const Eigen::VectorXd b = J.transpose() * random.matrix(60, 1);
+  prior.add(H, b);
+  const Eigen::VectorXd joint = -(units.cwiseInverse().asDiagonal() * H * units.cwiseInverse().asDiagonal())
+                                     .ldlt()
+                                     .solve(units.cwiseInverse().asDiagonal() * b);
+  prior.marginalize(1);
+  ASSERT_EQ(prior.keyframes(), 3);
+  Eigen::VectorXd kept_units(24), expected(24);
+  kept_units << units.head(8), units.tail(16);
+  expected << joint.head(8), joint.tail(16);
+  const Eigen::VectorXd minimum =
+      -(kept_units.cwiseInverse().asDiagonal() * prior.H() * kept_units.cwiseInverse().asDiagonal())
+           .ldlt()
+           .solve(kept_units.cwiseInverse().asDiagonal() * prior.b());
+  EXPECT_LT((minimum - expected).norm(), 1e-8 * expected.norm());
+  for (int k = 0; k < 3; ++k) EXPECT_TRUE(prior.connected(k));
+}
+
+TEST(MarginalizationPrior, KeyframeWithoutInformationLeavesNoTrace) {
+  MarginalizationPrior prior;
+  for (int i = 0; i < 2; ++i) prior.appendKeyframe();
+  prior.addDiagonal(0, Vector8::Constant(4.0), Vector8::Constant(0.5));
+  const Eigen::MatrixXd H = prior.H().topLeftCorner<8, 8>();
+  prior.marginalize(1);
+  EXPECT_LT((prior.H() - H).norm(), 1e-12);
+  EXPECT_NEAR(prior.b()(0), 2.0, 1e-12);
+  EXPECT_FALSE(prior.connected(0));
+}
+
+TEST(MarginalizationPrior, MovingTheLinearizationPointKeepsTheCost) {
+  test::Random random(6);
+  MarginalizationPrior prior;
+  for (int i = 0; i < 2; ++i) prior.appendKeyframe();
+  const Eigen::MatrixXd J = random.matrix(20, 16);
+  prior.add(J.transpose() * J, random.matrix(16, 1));
+  const Eigen::VectorXd d = random.matrix(16, 1);
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(16);
+  step.tail(8) = random.matrix(8, 1);
+  const double before = prior.cost(d);
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(16, 16);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(16), moved_gradient = gradient;
+  prior.addTo(d, H, gradient);
+  prior.moveLinearizationPoint(1, step.tail<8>());
+  EXPECT_NEAR(prior.cost(d - step), before, 1e-9 * std::abs(before));
+  prior.addTo(d - step, H, moved_gradient);
+  EXPECT_LT((gradient - moved_gradient).norm(), 1e-9 * gradient.norm());
+}
+
+}  // namespace
+}  // namespace mba_vo
