@@ -68,9 +68,9 @@ double errorAfter(const std::vector<TrajectoryEntry>& trajectory, const std::map
 
 void takeTurning(const OdometryResult& result, const SE3& T_first_frame, Study& study) {
   ++study.frames;
-  study.measured += result.tracked->orientation_only ? 1 : 0;
+  study.measured += result.tracked()->orientation_only ? 1 : 0;
   study.turned = std::max(study.turned, degreesBetween(SE3(), T_first_frame));
-  study.error = std::max(study.error, degreesBetween(result.tracked->trajectory.T_reference_mid, T_first_frame));
+  study.error = std::max(study.error, degreesBetween(result.tracked()->trajectory.T_reference_mid, T_first_frame));
   for (const MapperOutput& output : result.mapping) study.invented += output.reference ? 1 : 0;
 }
 

@@ -63,8 +63,8 @@ constexpr std::size_t kReach = 2;  // frames before and after that may help
 
 /// An image of the sequence with what is known about it.
 struct Loaded {
-  mba_vo::SequenceImage image;
-  std::optional<mba_vo::SequenceImage> truth;
+  mba_vo::CameraImage image;
+  std::optional<mba_vo::CameraImage> truth;
   std::optional<mba_vo::FrameMotion> motion;
   mba_vo::FrameConstPtr frame;  // null if the image cannot be read or its motion is unknown
 
@@ -133,12 +133,12 @@ class DeblurRun {
     if (records_.empty()) throw std::runtime_error("no image has a known motion");
   }
 
-  mba_vo::FrameConstPtr build(const mba_vo::SequenceImage& image) const {
+  mba_vo::FrameConstPtr build(const mba_vo::CameraImage& image) const {
     return builder_.build(image.image, image.sequence, image.stamp_ns, image.mid_exposure_ns, image.exposure);
   }
 
   bool load(std::deque<Loaded>& window) {
-    std::optional<mba_vo::SequenceImage> image = blurred_->next();
+    std::optional<mba_vo::CameraImage> image = blurred_->next();
     if (!image) return false;
     Loaded loaded;
     loaded.image = *image;

@@ -43,6 +43,9 @@ struct Arguments {
   std::vector<std::string> faults;
   unsigned fault_seed = 1;
   int reference_delay = 0;
+  bool live = false;
+  std::string machine_file;
+  double slower = 1.0;
   bool rectified = false;
   bool deterministic = false;
   bool print_config = false;
@@ -94,6 +97,11 @@ void describe(CLI::App& app, Arguments& a) {
                  "frames from a keyframe to the first that is aligned to it; 0 = ideal, about 12 = a live machine")
       ->capture_default_str()
       ->check(CLI::Range(0, 1000));
+  app.add_flag("--live", a.live,
+               "as if it ran live: images arrive at their stamps, and work takes its time; deterministic");
+  app.add_option("--machine", a.machine_file,
+                 "YAML file with the times of the machine for --live; default: a laptop's");
+  app.add_option("--slower", a.slower, "factor on these times")->capture_default_str()->check(CLI::Range(0.01, 100.0));
   app.add_flag("--print-config", a.print_config, "print the options with defaults, meaning and range, and stop");
   app.add_option("--image-topic", a.image_topic, "of the bag; found by type if there is only one");
   app.add_option("--camera-info-topic", a.camera_info_topic, "of the bag; found beside the image topic");
@@ -121,8 +129,8 @@ class BagOfKnownExposure : public mba_vo::SequenceReader {
       : bag_(std::move(bag)), exposure_(exposure), reference_(reference) {}
   mba_vo::CameraCalibration calibration() const override { return bag_->calibration(); }
   std::size_t size() const override { return bag_->size(); }
-  std::optional<mba_vo::SequenceImage> next() override {
-    std::optional<mba_vo::SequenceImage> image = bag_->next();
+  std::optional<mba_vo::CameraImage> next() override {
+    std::optional<mba_vo::CameraImage> image = bag_->next();
     if (image && !image->exposure) {
       image->mid_exposure_ns = mba_vo::midExposure(image->stamp_ns, exposure_, reference_);
     }
@@ -173,7 +181,8 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const Arguments& a) 
           {"config", a.config_file},
           {"exposure", a.exposure},
           {"deterministic", a.deterministic ? "yes" : "no"},
-          {"reference_delay_frames", std::to_string(a.reference_delay)}};
+          {"reference_delay_frames", std::to_string(a.reference_delay)},
+          {"live", a.live ? "yes" : "no"}};
 }
 
 void printCounts(const mba_vo::OfflineResult& result) {
@@ -232,6 +241,13 @@ mba_vo::OfflineResult runOver(const Arguments& a, const mba_vo::OfflineOptions& 
   return mba_vo::runCalibrated(run, options);
 }
 
+std::optional<mba_vo::Machine> machineOf(const Arguments& a) {
+  if (!a.live) return std::nullopt;
+  mba_vo::Machine machine;
+  if (!a.machine_file.empty()) mba_vo::loadYaml(a.machine_file, machine);
+  return machine.slowedBy(a.slower);
+}
+
 void run(const Arguments& a) {
   mba_vo::OfflineOptions options;
   if (!a.config_file.empty()) {
@@ -245,7 +261,8 @@ void run(const Arguments& a) {
   if (a.sequence.empty() || a.output.empty()) {
     throw std::runtime_error("SEQUENCE and --output are needed; see --help");
   }
-  options.config.mapper.deterministic = a.deterministic;
+  options.config.mapper.deterministic = a.deterministic || a.live;
+  options.live = machineOf(a);
   options.exposure = exposureOverride(a);
   options.skip = a.skip;
   options.frames = a.frames;

@@ -20,7 +20,7 @@ class Recorder {
       if (output.reference) references_[key(output.reference->id)] = output.reference;
     }
     for (const TrackedFrameConstPtr& late : result.late) add(late);
-    add(result.tracked);
+    add(result.tracked());
   }
   RecordedRun& run() { return run_; }
 
@@ -46,7 +46,7 @@ RecordedRun runOver(const std::string& folder, const OdometryConfig& config, int
   const FrameBuilder builder(reader->calibration(), {}, config.image);
   Odometry odometry(config, 0);
   Recorder recorder;
-  while (const std::optional<SequenceImage> image = reader->next()) {
+  while (const std::optional<CameraImage> image = reader->next()) {
     recorder.take(odometry.process(
         builder.build(image->image, image->sequence, image->stamp_ns, image->mid_exposure_ns, image->exposure)));
   }

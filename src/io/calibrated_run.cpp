@@ -10,7 +10,8 @@ constexpr int kMostRestarts = 5;
 
 OfflineResult runCalibrated(const CalibratedRun& run, OfflineOptions options) {
   for (int restarts = 0;; ++restarts) {
-    options.stop_if_learnt_within = restarts < kMostRestarts ? kImages : 0;
+    // A live run has one pass.
+    options.stop_if_learnt_within = restarts < kMostRestarts && !options.live ? kImages : 0;
     const auto reader = run.open();
     OfflineResult result = runOffline(*reader, options, run.progress);
     result.restarts = restarts;

@@ -18,7 +18,7 @@ constexpr std::size_t kTurningMargin = 3;              // images; the walk throu
 /// A walk through the recording, image by image, to which things happen.
 class Spoiler {
  public:
-  Spoiler(std::vector<SequenceImage> recording, const FaultConfig& config)
+  Spoiler(std::vector<CameraImage> recording, const FaultConfig& config)
       : recording_(std::move(recording)), random_(config.seed), kinds_(config.kinds) {
     if (kinds_.empty()) kinds_ = faultKinds();
     for (const std::string& kind : kinds_) {
@@ -29,7 +29,7 @@ class Spoiler {
     }
   }
 
-  void run(std::vector<SequenceImage>& images, std::vector<FaultRecord>& records) {
+  void run(std::vector<CameraImage>& images, std::vector<FaultRecord>& records) {
     if (recording_.size() < 2 * kTurningMargin + 2) return;
     const double seconds = duration(recording_.size() - 1);
     time_ns_ = recording_.front().mid_exposure_ns;
@@ -106,9 +106,9 @@ class Spoiler {
     return image;
   }
 
-  void emit(std::vector<SequenceImage>& images, std::vector<FaultRecord>& records) {
+  void emit(std::vector<CameraImage>& images, std::vector<FaultRecord>& records) {
     if (fault_ == "gap") return;
-    SequenceImage image = recording_[at_];
+    CameraImage image = recording_[at_];
     image.image = spoiltImage();
     if (!fault_.empty()) image.depth.release();  // that of another instant, or of nothing
     image.problem = image.image.empty() ? "spoilt" : "";
@@ -123,7 +123,7 @@ class Spoiler {
     images.push_back(std::move(image));
   }
 
-  std::vector<SequenceImage> recording_;
+  std::vector<CameraImage> recording_;
   std::mt19937 random_;
   std::vector<std::string> kinds_;
   std::size_t at_ = 0;  // in the recording
@@ -149,12 +149,12 @@ const std::vector<std::string>& faultKinds() {
 
 FaultySequence::FaultySequence(SequenceReader& recording, const FaultConfig& config)
     : calibration_(recording.calibration()) {
-  std::vector<SequenceImage> all;
-  while (std::optional<SequenceImage> image = recording.next()) all.push_back(std::move(*image));
+  std::vector<CameraImage> all;
+  while (std::optional<CameraImage> image = recording.next()) all.push_back(std::move(*image));
   Spoiler(std::move(all), config).run(images_, records_);
 }
 
-std::optional<SequenceImage> FaultySequence::next() {
+std::optional<CameraImage> FaultySequence::next() {
   if (next_ == images_.size()) return std::nullopt;
   return std::move(images_[next_++]);
 }

@@ -4,13 +4,17 @@
 #include <cmath>
 #include <ctime>
 #include <limits>
+#include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include "mba_vo/io/photometric_files.h"
-#include "mba_vo/odometry/input_guard.h"
+#include "mba_vo/odometry/live_simulation.h"
 
 namespace mba_vo {
 namespace {
+
+constexpr double kSecondsPerMillisecond = 1e-3;
 
 /// Adds the time of its life to `seconds`.
 class Stopwatch {
@@ -29,10 +33,6 @@ class Stopwatch {
 /// Of all threads of the process.
 double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-FrameBuilder makeFrameBuilder(const CameraCalibration& calibration, const FrameBuilderConfig& config) {
-  return {calibration, loadPhotometricCalibration(config.response_file, config.vignette_file), config};
-}
-
 /// An exposure that is set for all images is not to be corrected.
 OdometryConfig believing(const OfflineOptions& options) {
   OdometryConfig config = options.config;
@@ -40,7 +40,14 @@ OdometryConfig believing(const OfflineOptions& options) {
   return config;
 }
 
-/// Takes image after image through guard, frame builder and odometry.
+std::unique_ptr<OdometryRun> makeRun(const OfflineOptions& options) {
+  const FrameBuilderConfig& image = options.config.image;
+  const PhotometricCalibration photometric = loadPhotometricCalibration(image.response_file, image.vignette_file);
+  if (options.live) return std::make_unique<LiveSimulation>(believing(options), *options.live, photometric);
+  return std::make_unique<Odometry>(believing(options), options.reference_delay_frames, photometric);
+}
+
+/// Takes image after image through the odometry and keeps account of what becomes of them.
 class Run {
  public:
   Run(const CameraCalibration& calibration, const OfflineOptions& options)
@@ -48,63 +55,29 @@ class Run {
         exposure_(options.exposure),
         exposure_correction_(options.exposure_correction),
         unknown_exposure_(options.config.tracker.unknown_exposure),
-        builder_(makeFrameBuilder(calibration, options.config.image)),
-        odometry_(believing(options), options.reference_delay_frames) {
-    builder_.correct(odometry_.correction());
+        odometry_(makeRun(options)) {
+    odometry_->setCalibration(calibration);
   }
 
-  void process(const SequenceImage& image, OfflineResult& result) {
-    if (image.image.empty()) {
-      result.log.addRejected(image, image.problem);
-      return;
-    }
-    InputVerdict verdict = check(image);
-    if (verdict.clock_restarted) {
-      odometry_.reset();
-      guard_.reset();
-      const std::string restart = verdict.reason + ": taken for a new start";
-      verdict = check(image);
-      verdict.reason = restart;
-    }
-    if (!verdict.accepted) {
-      result.log.addRejected(image, verdict.reason);
-      return;
-    }
-    const FrameConstPtr frame = build(image, verdict.exposure, result.times.frame_build);
-    double processing = 0.0;  // [s]
-    const OdometryResult odometry = [&] {
-      const Stopwatch stopwatch(processing);
-      return odometry_.process(frame);
-    }();
-    std::string warning = verdict.reason;
-    if (!image.problem.empty()) warning += (warning.empty() ? "" : "; ") + image.problem;
-    account(odometry, processing, warning, result);
-    if (result.exposure.used) result.exposure_correction = learnt(verdict.exposure.has_value(), result.exposure.ratio);
-    builder_.correct(odometry_.correction());
+  void process(CameraImage image, OfflineResult& result) {
+    image.exposure = exposureOf(image);
+    account([&] { return odometry_->process(image); }, result);
   }
 
   void finish(OfflineResult& result) {
-    double processing = 0.0;  // [s]
-    const OdometryResult odometry = [&] {
-      const Stopwatch stopwatch(processing);
-      return odometry_.finish();
-    }();
-    account(odometry, processing, "", result);
+    account([&] { return odometry_->finish(); }, result);
   }
 
-  CalibrationCorrection correction() const { return odometry_.correction(); }
+  const Mapper& mapper() const { return odometry_->mapper(); }
   bool hasLearnt(const OfflineResult& result) const {
-    return odometry_.correction() != start_ || !(result.exposure_correction == exposure_correction_);
+    return mapper().correction() != start_ || !(result.exposure_correction == exposure_correction_);
   }
-  std::vector<TrajectoryEntry> trajectory() const { return odometry_.trajectory(); }
-  std::vector<MapPoint> points() const { return odometry_.points(); }
-  DeblurCounts deblurCounts() const { return odometry_.deblurCounts(); }
 
  private:
-  InputVerdict check(const SequenceImage& image) {
-    std::optional<double> exposure = exposure_correction_.missing;
-    if (image.exposure) exposure = exposure_correction_.factor * *image.exposure;
-    return guard_.check(image.stamp_ns, exposure_ ? exposure_ : exposure);
+  std::optional<double> exposureOf(const CameraImage& image) const {
+    if (exposure_) return exposure_;
+    if (image.exposure) return exposure_correction_.factor * *image.exposure;
+    return exposure_correction_.missing;
   }
 
   ExposureCorrection learnt(bool given, double ratio) const {
@@ -118,37 +91,48 @@ class Run {
     return correction;
   }
 
+  template <typename Work>
+  void account(const Work& work, OfflineResult& result) {
+    double processing = 0.0;  // [s]
+    const OdometryResult done = [&] {
+      const Stopwatch stopwatch(processing);
+      return work();
+    }();
+    double building = 0.0;  // [s]
+    for (const PublishedImage& image : done.images) {
+      if (image.step.contradicts_calibration) {
+        throw std::runtime_error("image " + std::to_string(image.step.sequence) + ": " + image.step.reason);
+      }
+      building += kSecondsPerMillisecond * image.step.build_ms;
+    }
+    const double mapping = kSecondsPerMillisecond * done.mapping_ms;
+    result.times.frame_build += building;
+    result.times.mapping += mapping;
+    result.times.tracking += processing - mapping - building;
+    result.log.add(done);
+    noteExposures(done, result);
+  }
+
+  void noteExposures(const OdometryResult& done, OfflineResult& result) const {
+    for (const TrackedFrameConstPtr& late : done.late) note(*late, result);
+    for (const PublishedImage& image : done.images) {
+      if (!image.step.message.tracked) continue;
+      note(*image.step.message.tracked, result);
+      if (result.exposure.used) {
+        result.exposure_correction = learnt(image.step.exposure.has_value(), result.exposure.ratio);
+      }
+    }
+  }
+
   static void note(const TrackedFrame& tracked, OfflineResult& result) {
     if (std::isfinite(tracked.exposure_estimate.log_sigma)) result.exposure = tracked.exposure_estimate;
-  }
-
-  static void account(const OdometryResult& odometry, double processing, const std::string& warning,
-                      OfflineResult& result) {
-    constexpr double kSecondsPerMillisecond = 1e-3;
-    const double mapping = kSecondsPerMillisecond * odometry.mapping_ms;
-    result.times.mapping += mapping;
-    result.times.tracking += processing - mapping;
-    result.log.add(odometry, warning);
-    for (const TrackedFrameConstPtr& late : odometry.late) note(*late, result);
-    if (odometry.tracked) note(*odometry.tracked, result);
-  }
-
-  FrameConstPtr build(const SequenceImage& image, const std::optional<double>& exposure, double& seconds) const {
-    const Stopwatch stopwatch(seconds);
-    try {
-      return builder_.build(image.image, image.sequence, image.stamp_ns, image.mid_exposure_ns, exposure, image.depth);
-    } catch (const std::invalid_argument& error) {
-      throw std::runtime_error("image " + std::to_string(image.sequence) + ": " + error.what());
-    }
   }
 
   CalibrationCorrection start_;
   std::optional<double> exposure_;  // of all images [s]
   ExposureCorrection exposure_correction_;
   double unknown_exposure_;  // assumed at first [s]
-  InputGuard guard_;
-  FrameBuilder builder_;
-  Odometry odometry_;
+  std::unique_ptr<OdometryRun> odometry_;
 };
 
 }  // namespace
@@ -163,16 +147,16 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
     const auto load = [&] {
       const Stopwatch stopwatch(result.times.load);
       const double before = processorSeconds();
-      std::optional<SequenceImage> image = reader.next();
+      std::optional<CameraImage> image = reader.next();
       processor_begin += processorSeconds() - before;
       return image;
     };
     while (result.skipped < options.skip && reader.skip()) progress(++result.skipped);
     const std::size_t most = options.frames > 0 ? options.frames : std::numeric_limits<std::size_t>::max();
     for (std::size_t taken = 0; taken < most;) {
-      const std::optional<SequenceImage> image = load();
+      std::optional<CameraImage> image = load();
       if (!image) break;
-      run.process(*image, result);
+      run.process(std::move(*image), result);
       progress(result.skipped + ++taken);
       if (taken == options.stop_if_learnt_within && run.hasLearnt(result)) break;
     }
@@ -181,10 +165,10 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
     result.stopped_to_restart = run.hasLearnt(result) && processed <= options.stop_if_learnt_within;
     result.times.cpu = processorSeconds() - processor_begin;
   }
-  result.correction = run.correction();
-  result.trajectory = run.trajectory();
-  result.points = run.points();
-  result.deblurring = run.deblurCounts();
+  result.correction = run.mapper().correction();
+  result.trajectory = run.mapper().finishedTrajectory();
+  result.points = run.mapper().points();
+  result.deblurring = run.mapper().deblurCounts();
   result.log.settle(result.trajectory);
   return result;
 }

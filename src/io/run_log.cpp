@@ -26,10 +26,21 @@ void takeTracking(const TrackedFrame& tracked, FrameRecord& record) {
   record.tracking_ms += static_cast<float>(tracked.tracking_ms);
 }
 
+void takePublished(const PublishedImage& image, FrameRecord& record) {
+  const TrackedFrame& tracked = *image.step.message.tracked;
+  record.online_status = tracked.orientation_only ? "ORIENTATION" : toString(tracked.status);
+  if (!tracked.tracked() && !tracked.orientation_only) return;
+  record.published = image.published;
+  if (!tracked.tracked()) return;
+  const SE3& T_odom_camera = image.step.T_odom_camera;
+  record.online = {tracked.reference.map_id, image.step.T_map_odom * T_odom_camera, T_odom_camera,
+                   tracked.covariance.topLeftCorner<6, 6>()};
+}
+
 }  // namespace
 
-void RunLog::add(const OdometryResult& result, const std::string& warning) {
-  if (result.tracked) addFrame(*result.tracked, warning);
+void RunLog::add(const OdometryResult& result) {
+  for (const PublishedImage& image : result.images) frames_.push_back(recordOf(image));
   if (frames_.empty()) return;
   frames_.back().mapping_ms += static_cast<float>(result.mapping_ms);
   for (const MapperOutput& mapping : result.mapping) {
@@ -42,14 +53,22 @@ void RunLog::add(const OdometryResult& result, const std::string& warning) {
   }
 }
 
-void RunLog::addFrame(const TrackedFrame& tracked, const std::string& warning) {
+FrameRecord recordOf(const PublishedImage& image) {
+  const TrackerStep& step = image.step;
   FrameRecord record;
-  record.sequence = tracked.frame->sequence;
-  record.stamp_ns = tracked.frame->stamp_ns;
-  record.mid_exposure_ns = tracked.frame->mid_exposure_ns;
-  takeTracking(tracked, record);
-  appendText(record.reason, warning);
-  frames_.push_back(record);
+  record.sequence = step.sequence;
+  record.stamp_ns = step.stamp_ns;
+  record.mid_exposure_ns = step.mid_exposure_ns;
+  record.arrival = step.arrival;
+  record.exposure = step.exposure;
+  if (const TrackedFrameConstPtr& tracked = step.message.tracked) {
+    takeTracking(*tracked, record);
+    takePublished(image, record);
+  } else {
+    record.status = record.online_status = step.kind == TrackerStep::Kind::kShed ? "SHED" : "REJECTED";
+  }
+  appendText(record.reason, step.reason);
+  return record;
 }
 
 void RunLog::addLate(const TrackedFrame& late) {
@@ -65,18 +84,10 @@ void RunLog::addLate(const TrackedFrame& late) {
   if (!had_pose) appendText(found->reason, "had to wait for a reference");
 }
 
-void RunLog::addRejected(const SequenceImage& image, const std::string& reason) {
-  FrameRecord record;
-  record.sequence = image.sequence;
-  record.stamp_ns = image.stamp_ns;
-  record.mid_exposure_ns = image.mid_exposure_ns;
-  record.exposure = image.exposure;
-  record.status = "REJECTED";
-  record.reason = reason;
-  frames_.push_back(record);
-}
-
 void RunLog::settle(const std::vector<TrajectoryEntry>& trajectory) {
+  // What was shed was known before the images that waited had their results.
+  const auto isEarlier = [](const FrameRecord& a, const FrameRecord& b) { return a.sequence < b.sequence; };
+  std::stable_sort(frames_.begin(), frames_.end(), isEarlier);
   std::map<std::uint64_t, const TrajectoryEntry*> entry_of_frame;
   for (const TrajectoryEntry& entry : trajectory) {
     entry_of_frame[entry.frame_sequence] = &entry;

@@ -8,19 +8,12 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mba_vo/io/frames_csv.h"
 #include "mba_vo/io/points_file.h"
 #include "mba_vo/io/trajectory_writer.h"
 
 namespace mba_vo {
 namespace {
-
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    result += c == '"' ? "\"\"" : std::string(1, c == '\n' ? ' ' : c);
-  }
-  return result + "\"";
-}
 
 /// For YAML, where a backslash escapes.
 std::string yamlQuoted(const std::string& text) {
@@ -29,15 +22,6 @@ std::string yamlQuoted(const std::string& text) {
     result += (c == '"' || c == '\\' ? "\\" : "") + std::string(1, c == '\n' ? ' ' : c);
   }
   return result + "\"";
-}
-
-template <typename Value>
-std::string optionalText(const std::optional<Value>& value, int decimals) {
-  std::ostringstream text;
-  if (value) {
-    text << std::fixed << std::setprecision(decimals) << *value;
-  }
-  return text.str();
 }
 
 void writeCalibration(const OfflineResult& result, std::ostream& out) {
@@ -70,21 +54,6 @@ void writeProcessorTime(std::ostream& out, double core_seconds, const std::vecto
 }
 
 }  // namespace
-
-void writeFrames(const std::vector<FrameRecord>& frames, std::ostream& out) {
-  out << "sequence,time,stamp,exposure,status,reason,map,blur_px,points,residual,error_px,tracking_ms,mapping_ms,"
-         "message\n";
-  out << std::fixed << std::setprecision(3);
-  for (const FrameRecord& frame : frames) {
-    constexpr int kMicroseconds = 6;
-    out << frame.sequence << "," << formatSeconds(frame.mid_exposure_ns) << "," << formatSeconds(frame.stamp_ns) << ","
-        << optionalText(frame.exposure, kMicroseconds) << "," << frame.status << "," << quoted(frame.reason) << ","
-        << optionalText(frame.map, 0) << "," << optionalText(frame.blur_length_px, 2) << ","
-        << optionalText(frame.points_used, 0) << "," << optionalText(frame.residual_rms, 3) << ","
-        << optionalText(frame.pixel_error, 3) << "," << frame.tracking_ms << "," << frame.mapping_ms << ","
-        << quoted(frame.message) << "\n";
-  }
-}
 
 void writeKeyframes(const std::vector<KeyframeReport>& keyframes, std::ostream& out) {
   out << "keyframe,sequence,time,blur_px,points,residuals,rms,error_px,depth_search_ms,activation_ms,"
@@ -145,6 +114,8 @@ void writeRun(const std::string& folder, const OfflineResult& result,
   };
   write("trajectory.txt", [&](std::ostream& out) { writeTrajectory(result.trajectory, out); });
   write("exposure_trajectory.txt", [&](std::ostream& out) { writeExposureTrajectory(result.trajectory, out); });
+  write("online_trajectory.txt", [&](std::ostream& out) { writeOnlineTrajectory(result.log.frames(), out); });
+  write("online_odometry.txt", [&](std::ostream& out) { writeOnlineOdometry(result.log.frames(), out); });
   write("points.txt", [&](std::ostream& out) { writePoints(result.points, out); });
   write("frames.csv", [&](std::ostream& out) { writeFrames(result.log.frames(), out); });
   write("keyframes.csv", [&](std::ostream& out) { writeKeyframes(result.log.keyframes(), out); });

@@ -82,13 +82,13 @@ class SequenceFolder : public SequenceReader {
   CameraCalibration calibration() const override { return calibration_; }
   std::size_t size() const override { return files_.size(); }
 
-  std::optional<SequenceImage> next() override {
+  std::optional<CameraImage> next() override {
     if (next_ == files_.size()) {
       return std::nullopt;
     }
     const ImageTime& time = times_[next_];
     const fs::path& file = files_[next_];
-    SequenceImage result{next_, time.mid_exposure_ns, time.mid_exposure_ns, time.exposure, readImage(file), "", {}};
+    CameraImage result{next_, time.mid_exposure_ns, time.mid_exposure_ns, time.exposure, readImage(file), "", {}};
     ++next_;
     if (result.image.empty()) {
       result.problem = file.string() + ": not a readable image";
@@ -120,7 +120,7 @@ class SequenceFolder : public SequenceReader {
     }
   }
 
-  void readDepth(const fs::path& file, SequenceImage& result) const {
+  void readDepth(const fs::path& file, CameraImage& result) const {
     const cv::Mat depth = readImage(file);
     if (depth.empty()) {
       result.problem = file.string() + ": not a readable depth image";

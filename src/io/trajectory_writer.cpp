@@ -5,6 +5,7 @@
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace mba_vo {
 namespace {
@@ -16,20 +17,6 @@ void writePose(const SE3& T, std::ostream& out) {
     out << " " << value;
   }
 }
-
-/// Writes `# map N` whenever the map changes.
-class MapComment {
- public:
-  void write(MapId map, std::ostream& out) {
-    if (map != last_) {
-      out << "# map " << map << "\n";
-      last_ = map;
-    }
-  }
-
- private:
-  std::optional<MapId> last_;
-};
 
 }  // namespace
 
@@ -43,15 +30,22 @@ std::string formatSeconds(std::int64_t nanoseconds) {
   return text.str();
 }
 
+PoseLines::PoseLines(std::ostream& out, const std::string& what) : out_(out) {
+  out_ << "# " << what << " at mid-exposure, optical frame: t[s] tx ty tz qx qy qz qw\n"
+       << std::fixed << std::setprecision(9);
+}
+
+void PoseLines::write(std::int64_t mid_exposure_ns, MapId map, const SE3& pose) {
+  if (std::exchange(last_map_, map) != map) out_ << "# map " << map << "\n";
+  out_ << formatSeconds(mid_exposure_ns);
+  writePose(pose, out_);
+  out_ << "\n";
+}
+
 void writeTrajectory(const std::vector<TrajectoryEntry>& entries, std::ostream& out) {
-  out << "# camera to map at mid-exposure, optical frame: t[s] tx ty tz qx qy qz qw\n"
-      << std::fixed << std::setprecision(9);
-  MapComment comment;
+  PoseLines lines(out, "camera to map");
   for (const TrajectoryEntry& entry : entries) {
-    comment.write(entry.map_id, out);
-    out << formatSeconds(entry.mid_exposure_ns);
-    writePose(entry.trajectory.T_reference_mid, out);
-    out << "\n";
+    lines.write(entry.mid_exposure_ns, entry.map_id, entry.trajectory.T_reference_mid);
   }
 }
 
@@ -59,13 +53,27 @@ void writeExposureTrajectory(const std::vector<TrajectoryEntry>& entries, std::o
   out << "# t_mid[s] exposure[s] then start pose and end pose (camera to map, optical frame), each tx ty tz qx qy qz "
          "qw\n"
       << std::fixed << std::setprecision(9);
-  MapComment comment;
+  std::optional<MapId> last_map;
   for (const TrajectoryEntry& entry : entries) {
-    comment.write(entry.map_id, out);
+    if (std::exchange(last_map, entry.map_id) != entry.map_id) out << "# map " << entry.map_id << "\n";
     out << formatSeconds(entry.mid_exposure_ns) << " " << entry.trajectory.exposure;
     writePose(entry.trajectory.start(), out);
     writePose(entry.trajectory.end(), out);
     out << "\n";
+  }
+}
+
+void writeOnlineTrajectory(const std::vector<FrameRecord>& frames, std::ostream& out) {
+  PoseLines lines(out, kOnlineTrajectory);
+  for (const FrameRecord& frame : frames) {
+    if (frame.online) lines.write(frame.mid_exposure_ns, frame.online->map, frame.online->T_map_camera);
+  }
+}
+
+void writeOnlineOdometry(const std::vector<FrameRecord>& frames, std::ostream& out) {
+  PoseLines lines(out, kOnlineOdometry);
+  for (const FrameRecord& frame : frames) {
+    if (frame.online) lines.write(frame.mid_exposure_ns, frame.online->map, frame.online->T_odom_camera);
   }
 }
 

@@ -47,7 +47,7 @@ TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameCons
   return tracked;
 }
 
-BackwardTracking::BackwardTracking(const MapperConfig& config, std::unique_ptr<InitialMap> initial,
+BackwardTracking::BackwardTracking(const MapperConfig& config, std::shared_ptr<const InitialMap> initial,
                                    const MotionState& start, const std::vector<FrameConstPtr>& frames,
                                    ReferenceConstPtr first_keyframe)
     : tracker_(config.tracker),
@@ -62,7 +62,7 @@ BackwardTracking::BackwardTracking(const MapperConfig& config, std::unique_ptr<I
 
 bool BackwardTracking::isReady(const LocalMap& map) const { return map.newestKeyframe() >= kSettledKeyframe; }
 
-void BackwardTracking::update(LocalMap& map) {
+void BackwardTracking::update(const LocalMap& map) {
   const KeyframeId keyframe = first_keyframe_->id.keyframe_id;
   if (map.has(keyframe) && map.newestKeyframe() <= kSettledKeyframe) first_keyframe_ = map.makeReference(keyframe);
 }

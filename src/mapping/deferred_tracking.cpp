@@ -4,7 +4,7 @@
 
 namespace mba_vo {
 
-void DeferredTracking::begin(std::unique_ptr<InitialMap> initial, const MotionState& start,
+void DeferredTracking::begin(std::shared_ptr<const InitialMap> initial, const MotionState& start,
                              const std::vector<FrameConstPtr>& frames, const ReferenceConstPtr& first_keyframe) {
   backward_.emplace(config_, std::move(initial), start, frames, first_keyframe);
 }
@@ -13,7 +13,7 @@ void DeferredTracking::add(const TrackedFrameConstPtr& tracked) {
   if (config_.refine_frames) refinement_.add(tracked);
 }
 
-void DeferredTracking::update(LocalMap& map) {
+void DeferredTracking::update(const LocalMap& map) {
   if (backward_) backward_->update(map);
   refinement_.update(map);
 }
@@ -34,7 +34,7 @@ bool DeferredTracking::doNext(const LocalMap& map, TrajectoryStore& store) {
   return true;
 }
 
-void DeferredTracking::finish(LocalMap& map, TrajectoryStore& store) {
+void DeferredTracking::finish(const LocalMap& map, TrajectoryStore& store) {
   while (hasFramesBefore()) trackBackwards(store);
   refinement_.finish(map);
   while (!refinement_.done()) refine(map, store);

@@ -69,11 +69,11 @@ void FrameRefinement::add(const TrackedFrameConstPtr& tracked) {
   }
 }
 
-void FrameRefinement::update(LocalMap& map) {
+void FrameRefinement::update(const LocalMap& map) {
   if (const auto before = map.keyframeBefore(map.newestKeyframe())) prepareUntil(map, *before);
 }
 
-void FrameRefinement::finish(LocalMap& map) { prepareUntil(map, map.newestKeyframe()); }
+void FrameRefinement::finish(const LocalMap& map) { prepareUntil(map, map.newestKeyframe()); }
 
 void FrameRefinement::reset() {
   waiting_.clear();
@@ -83,7 +83,7 @@ void FrameRefinement::reset() {
 
 /// The frames up to that keyframe are to be tracked against it, or the one before, whichever shows more of what they
 /// see.
-void FrameRefinement::prepareUntil(LocalMap& map, KeyframeId last) {
+void FrameRefinement::prepareUntil(const LocalMap& map, KeyframeId last) {
   std::vector<ReferenceConstPtr> references = {map.makeReference(last)};
   if (const auto before = map.keyframeBefore(last)) references.push_back(map.makeReference(*before));
   const std::int64_t end_ns = references.front()->mid_exposure_ns;

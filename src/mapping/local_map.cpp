@@ -239,10 +239,10 @@ void LocalMap::storePoses() {
   for (const KeyframeId id : window_.keyframes()) store_.setKeyframePose(id_, id, window_.T_map_keyframe(id));
 }
 
-std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe, const std::string& doubt) {
+std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe, const std::string& doubt) const {
   auto reference = std::make_shared<Reference>();
   reference->doubt = doubt;
-  reference->id = {id_, keyframe, revision_++};
+  reference->id = {id_, keyframe, 0};
   reference->metric = metric_;
   reference->mid_exposure_ns = keyframes_.at(keyframe).frame->mid_exposure_ns;
   reference->exposure = keyframes_.at(keyframe).frame->exposure;

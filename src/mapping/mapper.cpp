@@ -47,11 +47,20 @@ class Mapper::Impl {
 
   bool doDeferredWork() { return map_ && deferred_.doNext(*map_, store_); }
 
-  void finishDeferredWork() {
-    if (map_) deferred_.finish(*map_, store_);
+  std::vector<TrajectoryEntry> finishedTrajectory() const {
+    if (!map_) return store_.entries();
+    TrajectoryStore store = store_;
+    DeferredTracking deferred = deferred_;
+    deferred.finish(*map_, store);
+    return store.entries();
   }
 
   void reset() {
+    if (map_) deferred_.finish(*map_, store_);
+    abandonMap();
+  }
+
+  void abandonMap() {
     forgetMap();
     calibration_ = CalibrationEstimator(config_.start_correction);
     initializer_.trustDepths();
@@ -102,8 +111,8 @@ class Mapper::Impl {
   /// The map is wrong. Its last poses are forgotten, all of them if it has only just begun; the tracker is told to
   /// leave it. What a young map was made of may hold a better one.
   MapperOutput giveUp(MapperOutput output) {
-    auto last = std::make_shared<Reference>(*reference_);
-    last->withdrawn = "map " + std::to_string(map_->id()) + " was given up: " + health_.doubt();
+    const std::shared_ptr<Reference> last =
+        closed("map " + std::to_string(map_->id()) + " was given up: " + health_.doubt());
     const auto bad = static_cast<KeyframeId>(health_.badInARow());
     const bool young = health_.isYoung();
     if (map_->isMetric() && (young || health_.contradictsDepths()))
@@ -114,7 +123,7 @@ class Mapper::Impl {
     forgetMap();
     calibration_ = calibration_before_map_;
     last->correction = calibration_.correction();
-    output.message = last->withdrawn;
+    output.message = last->closed_because;
     output.reference = last;
     for (const FrameConstPtr& frame : frames) {
       if (frame->mid_exposure_ns <= failed_ns) continue;
@@ -133,7 +142,7 @@ class Mapper::Impl {
     const FrameConstPtr frame = initial->reference;
     first_keyframe_ns_ = frame->mid_exposure_ns;
     const ExposureTrajectory start{SE3(), velocity, frame->exposure.value_or(config_.tracker.unknown_exposure)};
-    const std::shared_ptr<Reference> reference = map_->makeReference(map_->newestKeyframe());
+    const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kMapBegins, map_->newestKeyframe());
     reference->hint = TrackingHint{frame->sequence, frame->mid_exposure_ns, start};
     reference_ = reference;
     integrate(referenceItself(*reference, frame, start));
@@ -172,7 +181,7 @@ class Mapper::Impl {
   void takeSharpKeyframe(MapperOutput& output) {
     const auto& sharp = output.sharp_keyframe = deblurring_.takeReady(*map_, recovery_.archive());
     if (!sharp || !sharp->in_map || sharp->keyframe_id != reference_->id.keyframe_id) return;
-    reference_ = map_->makeReference(reference_->id.keyframe_id, health_.doubt());
+    reference_ = snapshot(ReferenceCause::kSharperImage, reference_->id.keyframe_id, health_.doubt());
     output.reference = reference_;
   }
 
@@ -189,9 +198,9 @@ class Mapper::Impl {
 
   KeyframeReport insertKeyframe(const TrackedFrameConstPtr& chosen) {
     KeyframeReport report = map_->insertKeyframe(*chosen, choice_.velocity());
-    if (on_draft_) on_draft_(map_->makeReference(map_->newestKeyframe(), health_.doubt()));
+    if (on_draft_) on_draft_(snapshot(ReferenceCause::kKeyframe, map_->newestKeyframe(), health_.doubt()));
     map_->refineWindow(report);
-    const std::shared_ptr<Reference> reference = map_->makeReference(map_->newestKeyframe());
+    const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kKeyframe, map_->newestKeyframe());
     report.error_px = keyframeError(report.rms, *reference);
     health_.addKeyframe(report.error_px);
     health_.addDepths(report.depths);
@@ -219,9 +228,26 @@ class Mapper::Impl {
     }
     if (const auto found = recovery_.lose(frame, health_.usualFrameError())) return goOnFrom(*found);
     if (!recovery_.isLostForGood()) return output;
-    forgetMap();
+    output.reference = closed("lost for too long, no map yet");
     output.message = "lost for too long: a new map begins";
+    forgetMap();
     return output;
+  }
+
+  /// Of a keyframe in the window, for the tracker.
+  std::shared_ptr<Reference> snapshot(ReferenceCause cause, KeyframeId keyframe, const std::string& doubt = {}) {
+    std::shared_ptr<Reference> reference = map_->makeReference(keyframe, doubt);
+    reference->cause = cause;
+    reference->id.revision = revision_++;
+    return reference;
+  }
+
+  /// Tells the tracker to leave the map.
+  std::shared_ptr<Reference> closed(const std::string& reason) const {
+    auto last = std::make_shared<Reference>(*reference_);
+    last->cause = ReferenceCause::kMapClosed;
+    last->closed_because = reason;
+    return last;
   }
 
   /// The camera was found by a keyframe. If that has left the window, a new window begins with it.
@@ -229,7 +255,7 @@ class Mapper::Impl {
     const bool departed = !map_->has(found.keyframe);
     if (departed) map_ = recovery_.windowAt(found, *map_, store_, calibration_);
     const KeyframeId keyframe = departed ? map_->newestKeyframe() : found.keyframe;
-    const std::shared_ptr<Reference> reference = map_->makeReference(keyframe, health_.doubt());
+    const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kFoundAgain, keyframe, health_.doubt());
     reference->hint = found.hint;
     reference_ = reference;
     if (departed) deblur(found.keyframe_frame);
@@ -247,6 +273,7 @@ class Mapper::Impl {
     MapperOutput output;
     if (++frames_without_reference_ % kFramesUntilResend != 0) return output;
     auto copy = std::make_shared<Reference>(*reference_);
+    copy->cause = ReferenceCause::kSentAgain;
     copy->hint = last_;
     copy->hint->trajectory.T_reference_mid = copy->T_map_reference.inverse() *
                                              store_.T_map_keyframe(map_->id(), last_keyframe_) *
@@ -282,6 +309,7 @@ class Mapper::Impl {
   TrackingHint last_;  // the newest tracked frame, relative to last_keyframe_
   KeyframeId last_keyframe_ = 0;
   int frames_without_reference_ = 0;
+  std::uint32_t revision_ = 0;  // of the next snapshot
 };
 
 Mapper::Mapper(const MapperConfig& config, DraftCallback on_draft, std::shared_ptr<const Deblurrer> deblurrer)
@@ -289,8 +317,9 @@ Mapper::Mapper(const MapperConfig& config, DraftCallback on_draft, std::shared_p
 Mapper::~Mapper() = default;
 MapperOutput Mapper::process(const TrackedFrameConstPtr& frame) { return impl_->process(frame); }
 bool Mapper::doDeferredWork() { return impl_->doDeferredWork(); }
-void Mapper::finishDeferredWork() { impl_->finishDeferredWork(); }
+std::vector<TrajectoryEntry> Mapper::finishedTrajectory() const { return impl_->finishedTrajectory(); }
 void Mapper::reset() { impl_->reset(); }
+void Mapper::abandonMap() { impl_->abandonMap(); }
 ReferenceConstPtr Mapper::currentReference() const { return impl_->currentReference(); }
 std::vector<TrajectoryEntry> Mapper::trajectory() const { return impl_->store().entries(); }
 CalibrationCorrection Mapper::correction() const { return impl_->correction(); }

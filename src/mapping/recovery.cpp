@@ -8,7 +8,7 @@ constexpr double kLeastLost = 0.05;       // [s] until a lost frame is searched 
 
 }  // namespace
 
-void Recovery::keep(const Reference& keyframe, const Frame& frame, LocalMap& map) {
+void Recovery::keep(const Reference& keyframe, const Frame& frame, const LocalMap& map) {
   KeyframeArchive& archive = relocalizer_.archive();
   archive.add(keyframe, frame);
   for (KeyframeId id = map.oldestKeyframe(); id < map.newestKeyframe(); ++id) {

@@ -124,16 +124,19 @@ void applyYaml(const YAML::Node& node, OdometryConfig& config) {
 
 OdometryConfig loadConfig(const std::string& file) {
   OdometryConfig config;
+  loadYaml(file, config);
+  finalize(config);
+  return config;
+}
+
+YAML::Node loadYamlFile(const std::string& file) {
   try {
-    applyYaml(YAML::LoadFile(file), config);
+    return YAML::LoadFile(file);
   } catch (const YAML::BadFile&) {
     throw std::runtime_error(file + ": cannot be read");
   } catch (const YAML::Exception& error) {
     throw std::runtime_error(file + ": " + error.what());
-  } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(file + ": " + error.what());
   }
-  return config;
 }
 
 }  // namespace mba_vo

@@ -14,19 +14,19 @@ void FrameJudge::judge(TrackedFrame& tracked, bool lost, double seconds) {
   if (lost || isGap(seconds)) judgeFirstAfterLoss(config_, tracked);
   if (!tracked.tracked()) return;
   usual_interval_ = seconds;
-  if (usual_error_.isExceededBy(tracked.pixel_error)) {
+  if (pixel_error_gate_.isExceededBy(tracked.pixel_error)) {
     degrade(tracked, "the image differs from the reference much more than others do");
   }
-  if (usual_expected_error_.isExceededBy(tracked.expected_error)) {
+  if (expected_error_gate_.isExceededBy(tracked.expected_error)) {
     degrade(tracked, "the pose is known much worse than others are");
   }
-  usual_error_.add(tracked.pixel_error);
-  usual_expected_error_.add(tracked.expected_error);
+  pixel_error_gate_.add(tracked.pixel_error);
+  expected_error_gate_.add(tracked.expected_error);
 }
 
 void FrameJudge::reset() {
-  usual_error_.reset();
-  usual_expected_error_.reset();
+  pixel_error_gate_.reset();
+  expected_error_gate_.reset();
   usual_interval_ = 0.0;
 }
 

@@ -9,78 +9,100 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::size_t kUnbounded = std::numeric_limits<std::size_t>::max();  // nothing is ever shed
+
 double millisecondsSince(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
 }  // namespace
 
-Odometry::Odometry(const OdometryConfig& config, int reference_delay_frames)
-    : tracking_(config), mapper_(config.mapper), reference_delay_frames_(reference_delay_frames) {
+Odometry::Odometry(const OdometryConfig& config, int reference_delay_frames, const PhotometricCalibration& photometric)
+    : tracker_({config, photometric, kUnbounded, false}),
+      mapper_(config.mapper, kUnbounded),
+      reference_delay_frames_(reference_delay_frames) {
   if (reference_delay_frames < 0) {
     throw std::invalid_argument("reference delay of " + std::to_string(reference_delay_frames) +
                                 " frames: must be 0 or more");
   }
 }
 
-bool Odometry::takeDueReferences(std::uint64_t frame) {
-  bool any = false;
-  while (!pending_.empty() && pending_.front().due_frame <= frame) {
-    any = tracking_.take(pending_.front().reference) || any;
-    pending_.pop_front();
-  }
-  return any;
+OdometryResult Odometry::process(const CameraImage& image) {
+  OdometryResult result;
+  if (!tracker_.tracking().reference()) deliverDueReferences(frames_);
+  trackWaiting(result, false);
+  tracker_.addImage(image, 1e-9 * static_cast<double>(image.mid_exposure_ns));
+  return processQueued(std::move(result));
 }
 
-std::uint64_t Odometry::nextFrame() const { return frames_ - tracking_.waitingFrames(); }  // the newest ones wait
-
-void Odometry::trackWaiting(OdometryResult& result, bool at_end) {
-  while (tracking_.reference()) {
-    takeDueReferences(at_end ? std::numeric_limits<std::uint64_t>::max() : nextFrame());
-    if (const TrackedFrameConstPtr late = tracking_.trackWaiting(!at_end)) {
-      result.late.push_back(late);
-      map(late, nextFrame() - 1, result);
-    } else if (tracking_.waitingFrames() == 0 || !takeDueReferences(frames_)) {
-      return;  // done, or held for a keyframe that is not due even by now
-    }
-  }
-}
-
-void Odometry::map(const TrackedFrameConstPtr& tracked, std::uint64_t frame, OdometryResult& result) {
-  const Clock::time_point begin = Clock::now();
-  result.mapping.push_back(mapper_.process(tracked));
-  while (mapper_.doDeferredWork()) {
-  }
-  result.mapping_ms += millisecondsSince(begin);
-  const ReferenceConstPtr& reference = result.mapping.back().reference;
-  // Without delay the very next frame has it.
-  if (reference) pending_.push_back({frame + static_cast<std::uint64_t>(reference_delay_frames_) + 1, reference});
+OdometryResult Odometry::process(const FrameConstPtr& frame) {
+  OdometryResult result;
+  if (!tracker_.tracking().reference()) deliverDueReferences(frames_);
+  trackWaiting(result, false);
+  tracker_.addFrame(frame);
+  return processQueued(std::move(result));
 }
 
 OdometryResult Odometry::finish() {
   OdometryResult result;
   trackWaiting(result, true);
-  const Clock::time_point begin = Clock::now();
-  mapper_.finishDeferredWork();
-  result.mapping_ms += millisecondsSince(begin);
   return result;
 }
 
 void Odometry::reset() {
-  mapper_.finishDeferredWork();
-  tracking_.reset();
+  tracker_.requestReset();
+  tracker_.step();
   mapper_.reset();
   pending_.clear();
 }
 
-OdometryResult Odometry::process(const FrameConstPtr& frame) {
-  OdometryResult result;
-  if (!tracking_.reference()) takeDueReferences(frames_);
-  trackWaiting(result, false);
-  result.tracked = tracking_.process(frame);
-  map(result.tracked, frames_, result);
-  ++frames_;
+OdometryResult Odometry::processQueued(OdometryResult result) {
+  while (tracker_.queuedJobs() > 0) {
+    const std::optional<TrackerStep> step = tracker_.step();
+    if (step->began_anew) pending_.clear();
+    if (step->kind != TrackerStep::Kind::kImage && step->kind != TrackerStep::Kind::kRejected) continue;
+    result.images.push_back({*step, step->arrival});
+    if (!step->message.tracked) continue;
+    map(step->message, frames_, result);
+    ++frames_;
+  }
   return result;
+}
+
+bool Odometry::deliverDueReferences(std::uint64_t frame) {
+  for (; !pending_.empty() && pending_.front().due_frame <= frame; pending_.pop_front()) {
+    tracker_.addReference(pending_.front().message);
+  }
+  tracker_.adoptReferences();
+  return !tracker_.takeAdopted().empty();
+}
+
+std::uint64_t Odometry::nextFrame() const { return frames_ - tracker_.tracking().waitingFrames(); }  // the newest wait
+
+void Odometry::trackWaiting(OdometryResult& result, bool at_end) {
+  while (tracker_.tracking().reference() && tracker_.queuedJobs() == 0) {
+    deliverDueReferences(at_end ? std::numeric_limits<std::uint64_t>::max() : nextFrame());
+    if (const std::optional<TrackerStep> late = at_end ? tracker_.finishStep() : tracker_.step()) {
+      result.late.push_back(late->message.tracked);
+      map(late->message, nextFrame() - 1, result);
+    } else if (tracker_.tracking().waitingFrames() == 0 || !deliverDueReferences(frames_)) {
+      return;  // done, or held for a keyframe that is not due even by now
+    }
+  }
+}
+
+void Odometry::map(const TrackerMessage& message, std::uint64_t frame, OdometryResult& result) {
+  const Clock::time_point begin = Clock::now();
+  mapper_.addFrame(message);
+  while (const std::optional<MapperStep> step = mapper_.step()) {
+    if (step->kind != MapperStep::Kind::kFrame) continue;
+    result.mapping.push_back(step->output);
+    // Without delay the very next frame has it.
+    if (step->output.reference) {
+      pending_.push_back({frame + static_cast<std::uint64_t>(reference_delay_frames_) + 1, step->reference});
+    }
+  }
+  result.mapping_ms += millisecondsSince(begin);
 }
 
 }  // namespace mba_vo

@@ -1,19 +1,10 @@
 #include "mba_vo/odometry/tracking_loop.h"
 
 #include <algorithm>
-#include <optional>
-#include <string>
+#include <cmath>
 #include <utility>
 
-#include "mba_vo/odometry/frame_judge.h"
-#include "mba_vo/odometry/image_check.h"
-#include "mba_vo/odometry/keyframe_demand.h"
-#include "mba_vo/odometry/orientation_tracking.h"
-#include "mba_vo/odometry/recent_frames.h"
 #include "mba_vo/odometry/tracking_results.h"
-#include "mba_vo/odometry/waiting_frames.h"
-#include "mba_vo/tracking/exposure_estimator.h"
-#include "mba_vo/tracking/lost_clock.h"
 
 namespace mba_vo {
 namespace {
@@ -23,273 +14,195 @@ constexpr double kLongestRevision = 1.0;  // [s] of frames that are tracked once
 constexpr double kUnknownVariance = 1e6;  // of a position that nothing has measured [m^2]
 constexpr const char* kNoMap = "no map yet";
 
-double secondsBetween(const TrackingState& last, const Frame& frame) {
-  return 1e-9 * static_cast<double>(frame.mid_exposure_ns - last.lastNs());
-}
-
 }  // namespace
 
-class TrackingLoop::Impl {
- public:
-  explicit Impl(const OdometryConfig& config)
-      : tracker_config_(config.tracker),
-        tracker_(config.tracker),
-        exposures_(config.tracker),
-        orientation_(config.tracker),
-        judge_(config.tracker),
-        demand_(KeyframePolicy(config.keyframe)),
-        restart_after_lost_(config.mapper.restart_after_lost),
-        longest_wait_(config.mapper.initializer.buffer_seconds + kMapperTime) {}
+TrackingLoop::TrackingLoop(const OdometryConfig& config)
+    : frames_(config.tracker),
+      orientation_(config.tracker),
+      scheduler_(KeyframePolicy(config.keyframe)),
+      longest_wait_(config.mapper.initializer.buffer_seconds + kMapperTime),
+      no_map_reason_(kNoMap) {}
 
-  TrackedFrameConstPtr process(const FrameConstPtr& frame, bool has_time) {
-    const std::string problem = image_check_.problemOf(frame);
-    if (!problem.empty()) return blind(frame, problem);
-    if (reference_ && lost_.seconds() >= restart_after_lost_) {  // as the mapper does
-      reference_.reset();
-      no_map_reason_ = "lost for too long, no map yet";
-    }
-    if (goesAhead() && !KeyframeDemand::isBad(worst_need_)) goOnFromNewest();
-    if (reference_ && waiting_.empty()) {
-      auto tracked = track({frame, true, false, false, {}});
-      if (image_check_.repeated()) degrade(*tracked, "the image repeats the one before");
-      return tracked;
-    }
+TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame, bool has_time) {
+  const std::string problem = image_check_.problemOf(frame);
+  if (!problem.empty()) return blind(frame, problem);
+  if (phase_ == TrackingPhase::kRevising && !KeyframeScheduler::isBad(worst_need_)) leaveRevisions();
+  if (phase_ == TrackingPhase::kRevising) {
     if (auto tracked = trackAhead(frame)) return tracked;
-    const auto result = untracked(frame, TrackingStatus::kInitializing,
-                                  reference_ ? "earlier frames are still being tracked" : no_map_reason_);
-    if (!reference_ && has_time) trackOrientation(*result);
-    waiting_.add({frame, false, false, false, T_odom_camera_});
-    waiting_.dropOlderThan(longest_wait_);
-    return result;
   }
+  if (phase_ == TrackingPhase::kTracking || phase_ == TrackingPhase::kLost) {
+    const auto tracked = track({frame, true, false, false, {}});
+    if (image_check_.repeated()) degrade(*tracked, "the image repeats the one before");
+    return tracked;
+  }
+  return wait(frame, has_time);
+}
 
-  bool take(const ReferenceConstPtr& reference, bool may_go_back) {
-    if (!reference->withdrawn.empty()) return leave(*reference);
-    if (isSharperImage(*reference)) {
-      reference_ = reference;
-      return true;
-    }
-    const bool found = reference_ && lost_.lost() && reference->hint;  // by the mapper, in this map
-    if (!goesAhead()) rememberNewest();
-    if (reference_ && reference_->id.map_id == reference->id.map_id) {
-      const SE3 T_new_old = T_newReference_oldReference(*reference);
-      state_.changeReference(T_new_old);
-      if (newest_) newest_->changeReference(T_new_old);
-      recent_.changeReference(T_new_old);
-      exposures_.changeReference(T_new_old);
-      T_odom_reference_ = T_odom_reference_ * T_new_old.inverse();
-      if (found) state_ = TrackingState(*reference);
-    } else if (reference->hint) {
-      state_ = TrackingState(*reference);
-      T_odom_reference_ = waiting_.T_odom_cameraAt(reference->hint->frame_sequence, T_odom_camera_) *
-                          state_.T_reference_last().inverse();
-      T_odom_first_.reset();
-      newest_.reset();
-      recent_.clear();
-      judge_.reset();
-      exposures_.forgetFrames();
-    } else {
-      return false;
-    }
-    reference_ = reference;
-    lost_.find();
-    demand_.meet();
-    std::vector<RecentFrames::Entry> frames = recent_.takeAfter(found ? state_.lastNs() : reference->mid_exposure_ns);
-    if (found && !frames.empty()) frames.front().before = state_;
-    if (may_go_back) trackAgain(frames);
+bool TrackingLoop::take(const ReferenceConstPtr& reference, bool may_go_back) {
+  if (reference->cause == ReferenceCause::kMapClosed) return leave(*reference);
+  if (isSharperImage(*reference)) {
+    frames_.replaceImage(reference);
     return true;
   }
+  const bool same_map = frames_.reference() && frames_.reference()->id.map_id == reference->id.map_id;
+  if (!same_map) return reference->hint && beginMap(reference);
+  changeKeyframe(reference, may_go_back);
+  return true;
+}
 
-  TrackedFrameConstPtr trackWaiting(bool may_hold) {
-    if (!reference_) return nullptr;
-    waiting_.dropUntil(state_.lastNs());
-    if (waiting_.empty()) newest_.reset();
-    if (waiting_.empty() || (may_hold && demand_.holds(waiting_))) return nullptr;
-    const auto tracked = track(waiting_.takeFirst());
-    if (tracked->tracked() || !newest_) return tracked;
-    goOnFromNewest();
+TrackedFrameConstPtr TrackingLoop::trackWaiting(bool may_hold) {
+  if (phase_ == TrackingPhase::kNoMap || waiting_.empty()) return nullptr;
+  waiting_.dropUntil(frames_.state().lastNs());
+  if (waiting_.empty()) {
+    change(PhaseEvent::kNothingWaits);
+    if (frames_.lost()) change(PhaseEvent::kFrameLost);
     return nullptr;
   }
+  if (may_hold && scheduler_.holds(waiting_)) return nullptr;
+  const auto tracked = track(waiting_.takeFirst());
+  if (phase_ != TrackingPhase::kRevising || tracked->tracked()) return tracked;
+  leaveRevisions();
+  return nullptr;
+}
 
-  std::size_t waitingFrames() const { return waiting_.size(); }
-  bool goesAhead() const { return newest_ && waiting_.areRevisions(); }
-  bool catchesUp() const { return !waiting_.empty() && !waiting_.areRevisions(); }
-
-  void reset() {
-    reference_.reset();
-    waiting_.clear();
-    newest_.reset();
-    recent_.clear();
-    judge_.reset();
-    exposures_.reset();
-    lost_.find();
-    no_map_reason_ = kNoMap;
-    image_check_.reset();
-    demand_.meet();
-    T_odom_first_.reset();
-    T_odom_camera_ = SE3();
-    T_odom_reference_ = SE3();
+void TrackingLoop::leaveOut(std::size_t frames) {
+  const auto latest = frames_.state().lastNs() + std::llround(1e9 * kLongestPrediction);
+  for (; frames > 0 && waiting_.size() > 1 && waiting_.next().frame->mid_exposure_ns <= latest; --frames) {
+    waiting_.takeFirst();
   }
+}
 
-  const SE3& T_odom_camera() const { return T_odom_camera_; }
-  std::optional<SE3> predicted_T_odom_camera(std::int64_t mid_exposure_ns) const {
-    if (!reference_ || !lost_.lost()) return std::nullopt;
-    return T_odom_reference_ * state_.constantVelocityAt(mid_exposure_ns);
-  }
-  SE3 T_map_odom() const { return reference_ ? reference_->T_map_reference * T_odom_reference_.inverse() : SE3(); }
-  ReferenceConstPtr reference() const { return reference_; }
+void TrackingLoop::reset() {
+  change(PhaseEvent::kReset);
+  frames_.reset();
+  waiting_.clear();
+  recent_.clear();
+  no_map_reason_ = kNoMap;
+  image_check_.reset();
+  scheduler_.meet();
+  T_odom_first_.reset();
+}
 
- private:
-  /// An image to which nothing can be aligned.
-  TrackedFrameConstPtr blind(const FrameConstPtr& frame, const std::string& problem) {
-    const auto result = untracked(frame, reference_ ? TrackingStatus::kLost : TrackingStatus::kInitializing, problem);
-    result->blind = true;
-    if (reference_) lost_.lose(frame->mid_exposure_ns, true);
-    return result;
-  }
+/// An image to which nothing can be aligned.
+TrackedFrameConstPtr TrackingLoop::blind(const FrameConstPtr& frame, const std::string& problem) {
+  const bool has_map = phase_ != TrackingPhase::kNoMap;
+  const auto result = untracked(frame, has_map ? TrackingStatus::kLost : TrackingStatus::kInitializing, problem);
+  result->blind = true;
+  if (has_map) frames_.lose(frame->mid_exposure_ns, true);
+  if (waiting_.empty() && has_map) change(PhaseEvent::kFrameLost);
+  return result;
+}
 
-  /// Of the keyframe in use. The demand for the next one remains, and what saw this one badly still does.
-  bool isSharperImage(const Reference& reference) const {
-    return reference_ && !reference.hint && reference_->id.map_id == reference.id.map_id &&
-           reference_->id.keyframe_id == reference.id.keyframe_id && reference_->pyramid != reference.pyramid;
-  }
+/// Of the keyframe in use. The demand for the next one remains, and what saw this one badly still does.
+bool TrackingLoop::isSharperImage(const Reference& reference) const {
+  return reference.cause == ReferenceCause::kSharperImage && frames_.reference() &&
+         frames_.reference()->id.map_id == reference.id.map_id &&
+         frames_.reference()->id.keyframe_id == reference.id.keyframe_id;
+}
 
-  /// The mapper has given up the map: the next one is waited for.
-  bool leave(const Reference& withdrawn) {
-    if (!reference_ || reference_->id.map_id != withdrawn.id.map_id) return false;
-    reference_.reset();
-    newest_.reset();
-    recent_.clear();
-    lost_.find();
-    no_map_reason_ = withdrawn.withdrawn;
-    return true;
-  }
+/// The mapper has given up the map: the next one is waited for.
+bool TrackingLoop::leave(const Reference& closed) {
+  if (!frames_.reference() || frames_.reference()->id.map_id != closed.id.map_id) return false;
+  change(PhaseEvent::kMapClosed);
+  frames_.leave();
+  recent_.clear();
+  no_map_reason_ = closed.closed_because;
+  return true;
+}
 
-  /// Without a map the odometry still turns with the camera.
-  void trackOrientation(TrackedFrame& result) {
-    if (!T_odom_first_) {
-      orientation_.reset();
-      T_odom_first_ = T_odom_camera_;
-    }
-    result.orientation_only = orientation_.track(result.frame);
-    result.trajectory = orientation_.last();
-    result.covariance.diagonal().head<3>().setConstant(kUnknownVariance);
-    result.covariance.block<3, 3>(3, 3) = orientation_.covariance();
-    T_odom_camera_ = *T_odom_first_ * result.trajectory.T_reference_mid;
-  }
+bool TrackingLoop::beginMap(const ReferenceConstPtr& reference) {
+  frames_.begin(reference, waiting_.T_odom_cameraAt(reference->hint->frame_sequence, frames_.T_odom_camera()));
+  T_odom_first_.reset();
+  recent_.clear();
+  scheduler_.meet();
+  change(PhaseEvent::kMapBegins);
+  if (waiting_.empty()) change(PhaseEvent::kNothingWaits);
+  return true;
+}
 
-  /// Goes back to the first of the frames, which are seen better by the reference that has just come.
-  void trackAgain(const std::vector<RecentFrames::Entry>& frames) {
-    if (frames.empty()) return;
-    state_ = frames.front().before;
-    for (const RecentFrames::Entry& entry : frames) worst_need_ = std::max(worst_need_, entry.need);
-    waiting_.addRevisions(frames);
-  }
-
-  void rememberNewest() {
-    newest_.reset();
-    if (!lost_.lost()) newest_ = state_;
+/// Frames that saw the older keyframe badly and came after the new one's image are to be tracked once more.
+void TrackingLoop::changeKeyframe(const ReferenceConstPtr& reference, bool may_go_back) {
+  const bool found = reference->cause == ReferenceCause::kFoundAgain && frames_.lost();
+  const bool newest_known = phase_ == TrackingPhase::kRevising || phase_ == TrackingPhase::kTracking;
+  if (phase_ != TrackingPhase::kRevising) {
+    newest_ = frames_.state();
     worst_need_ = 0.0;
   }
-
-  /// While frames that have been seen badly are tracked once more, a new frame gets a first result from what is known
-  /// without them, and then waits behind them.
-  std::shared_ptr<TrackedFrame> trackAhead(const FrameConstPtr& given) {
-    if (!reference_ || !goesAhead()) return nullptr;
-    const FrameConstPtr frame = withExposure(given, exposures_.exposureFor(given->exposure));
-    const TrackingGuess guess = newest_->guessFor(*frame, tracker_config_.unknown_exposure);
-    auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
-    judge_.judge(*tracked, false, secondsBetween(*newest_, *frame));
-    if (!tracked->tracked()) {
-      newest_.reset();
-      return nullptr;
-    }
-    tracked->exposure_estimate = exposures_.estimate(given->exposure.has_value());
-    tracked->provisional = true;
-    newest_->update(*tracked);
-    T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
-    waiting_.add({given, true, false, true, {}});
-    if (waiting_.seconds() > kLongestRevision) goOnFromNewest();
-    return tracked;
-  }
-
-  /// The first results of the frames that wait are good enough.
-  void goOnFromNewest() {
-    state_ = *newest_;
-    newest_.reset();
-    waiting_.clear();
-    lost_.find();
-  }
-
-  std::shared_ptr<TrackedFrame> track(const WaitingFrame& next) {
-    const FrameConstPtr frame = withExposure(next.frame, exposures_.exposureFor(next.frame->exposure));
-    const TrackingGuess guess = state_.guessFor(*frame, tracker_config_.unknown_exposure);
-    auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
-    RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, KeyframeDemand::kLost, state_};
-    tracked->exposure_estimate = exposures_.estimate(next.frame->exposure.has_value());
-    exposures_.add(reference_, tracked, next.frame->exposure);
-    judge_.judge(*tracked, lost_.lost(), secondsBetween(state_, *frame));
-    if (!tracked->tracked()) {
-      lost_.lose(frame->mid_exposure_ns, false);
-    } else {
-      lost_.find();
-      state_.update(*tracked);
-      T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
-      demand_.judge(*reference_, next.mapped, *tracked);
-      entry.mapped = next.mapped || !tracked->provisional;
-      entry.need = demand_.need();
-    }
-    recent_.add(entry, !tracked->tracked() || demand_.isWorthRevision());
-    return tracked;
-  }
-
-  /// Through the poses that came with the new snapshot: map coordinates of different moments do not mix.
-  SE3 T_newReference_oldReference(const Reference& next) const {
-    const auto found = next.T_map_keyframe.find(reference_->id.keyframe_id);
-    const SE3 T_map_old = found != next.T_map_keyframe.end() ? found->second : reference_->T_map_reference;
-    return next.T_map_reference.inverse() * T_map_old;
-  }
-
-  TrackerConfig tracker_config_;
-  Tracker tracker_;
-  ExposureEstimator exposures_;
-  OrientationTracking orientation_;
-  FrameJudge judge_;
-  KeyframeDemand demand_;
-  double restart_after_lost_;  // [s]
-  double longest_wait_;        // [s]
-  ReferenceConstPtr reference_;
-  WaitingFrames waiting_;
-  RecentFrames recent_;                  // before those that wait
-  TrackingState state_;                  // relative to reference_
-  std::optional<TrackingState> newest_;  // by first results, while frames are tracked once more
-  double worst_need_ = 0.0;              // of these frames, when they were tracked before
-  ImageCheck image_check_;
-  LostClock lost_;
-  std::string no_map_reason_ = kNoMap;
-  SE3 T_odom_camera_;
-  SE3 T_odom_reference_;
-  std::optional<SE3> T_odom_first_;  // of the first frame without a map
-};
-
-TrackingLoop::TrackingLoop(const OdometryConfig& config) : impl_(std::make_unique<Impl>(config)) {}
-TrackingLoop::~TrackingLoop() = default;
-TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame, bool has_time) {
-  return impl_->process(frame, has_time);
+  const SE3 T_new_old = found ? frames_.recover(reference) : frames_.changeReference(reference);
+  newest_.changeReference(T_new_old);
+  recent_.changeReference(T_new_old);
+  scheduler_.meet();
+  std::vector<RecentFrames::Entry> again =
+      recent_.takeAfter(found ? frames_.state().lastNs() : reference->mid_exposure_ns);
+  if (found && !again.empty()) again.front().before = frames_.state();
+  if (!may_go_back || again.empty()) return change(PhaseEvent::kKeyframe);
+  frames_.goOnFrom(again.front().before);
+  for (const RecentFrames::Entry& entry : again) worst_need_ = std::max(worst_need_, entry.need);
+  waiting_.addRevisions(again);
+  change(newest_known ? PhaseEvent::kRevise : PhaseEvent::kGoBack);
 }
-bool TrackingLoop::take(const ReferenceConstPtr& reference, bool may_go_back) {
-  return impl_->take(reference, may_go_back);
+
+/// A frame that comes too early for what is being done.
+TrackedFrameConstPtr TrackingLoop::wait(const FrameConstPtr& frame, bool has_time) {
+  const bool has_map = phase_ != TrackingPhase::kNoMap;
+  const auto result = untracked(frame, TrackingStatus::kInitializing,
+                                has_map ? "earlier frames are still being tracked" : no_map_reason_);
+  if (!has_map && has_time) trackOrientation(*result);
+  waiting_.add({frame, false, false, false, frames_.T_odom_camera()});
+  waiting_.dropOlderThan(longest_wait_);
+  if (has_map) change(PhaseEvent::kImageWaits);
+  return result;
 }
-TrackedFrameConstPtr TrackingLoop::trackWaiting(bool may_hold) { return impl_->trackWaiting(may_hold); }
-std::size_t TrackingLoop::waitingFrames() const { return impl_->waitingFrames(); }
-bool TrackingLoop::goesAhead() const { return impl_->goesAhead(); }
-bool TrackingLoop::catchesUp() const { return impl_->catchesUp(); }
-void TrackingLoop::reset() { impl_->reset(); }
-const SE3& TrackingLoop::T_odom_camera() const { return impl_->T_odom_camera(); }
-std::optional<SE3> TrackingLoop::predicted_T_odom_camera(std::int64_t mid_exposure_ns) const {
-  return impl_->predicted_T_odom_camera(mid_exposure_ns);
+
+/// Without a map the odometry still turns with the camera.
+void TrackingLoop::trackOrientation(TrackedFrame& result) {
+  if (!T_odom_first_) {
+    orientation_.reset();
+    T_odom_first_ = frames_.T_odom_camera();
+  }
+  result.orientation_only = orientation_.track(result.frame);
+  result.trajectory = orientation_.last();
+  result.covariance.diagonal().head<3>().setConstant(kUnknownVariance);
+  result.covariance.block<3, 3>(3, 3) = orientation_.covariance();
+  frames_.turnTo(*T_odom_first_ * result.trajectory.T_reference_mid);
 }
-SE3 TrackingLoop::T_map_odom() const { return impl_->T_map_odom(); }
-ReferenceConstPtr TrackingLoop::reference() const { return impl_->reference(); }
+
+/// While frames are tracked once more, a new frame gets a first result from what is known without them, and then waits
+/// behind them. Null if it is lost: it then waits for them.
+TrackedFrameConstPtr TrackingLoop::trackAhead(const FrameConstPtr& frame) {
+  const auto tracked = frames_.trackAhead(frame, newest_);
+  if (!tracked) {
+    change(PhaseEvent::kFrameLost);
+    return nullptr;
+  }
+  waiting_.add({frame, true, false, true, {}});
+  if (waiting_.seconds() > kLongestRevision) leaveRevisions();
+  return tracked;
+}
+
+/// The first results of the frames that wait are good enough.
+void TrackingLoop::leaveRevisions() {
+  frames_.goOnFrom(newest_);
+  frames_.find();
+  waiting_.clear();
+  change(PhaseEvent::kGoOn);
+}
+
+std::shared_ptr<TrackedFrame> TrackingLoop::track(const WaitingFrame& next) {
+  RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, KeyframeScheduler::kLost, frames_.state()};
+  const auto tracked = frames_.track(next.frame);
+  if (tracked->tracked()) {
+    scheduler_.judge(*frames_.reference(), next.mapped, *tracked);
+    entry.mapped = next.mapped || !tracked->provisional;
+    entry.need = scheduler_.need();
+  }
+  recent_.add(entry, !tracked->tracked() || scheduler_.isWorthRevision());
+  const bool waited = phase_ != TrackingPhase::kTracking && phase_ != TrackingPhase::kLost;
+  if (waited && !waiting_.empty()) return tracked;
+  if (waited && phase_ == TrackingPhase::kRevising && !tracked->tracked()) return tracked;  // the first results stand
+  if (waited) change(PhaseEvent::kNothingWaits);
+  change(tracked->tracked() ? PhaseEvent::kFrameTracked : PhaseEvent::kFrameLost);
+  return tracked;
+}
 
 }  // namespace mba_vo

@@ -37,12 +37,12 @@ class BagReader final : public SequenceReader {
   CameraCalibration calibration() const override { return calibration_; }
   std::size_t size() const override { return size_; }
 
-  std::optional<SequenceImage> next() override {
+  std::optional<CameraImage> next() override {
     if (next_ == images_.end()) {
       return std::nullopt;
     }
     try {
-      SequenceImage image = read(*next_);
+      CameraImage image = read(*next_);
       ++next_;
       findDepth(image);
       return image;
@@ -78,8 +78,8 @@ class BagReader final : public SequenceReader {
     }
   }
 
-  SequenceImage read(const rosbag::MessageInstance& message) {
-    SequenceImage result;
+  CameraImage read(const rosbag::MessageInstance& message) {
+    CameraImage result;
     if (const auto raw = message.instantiate<sensor_msgs::Image>()) {
       describe(raw->header, result);
       decode([&] { return toCvImage(raw)->image.clone(); }, result);
@@ -90,7 +90,7 @@ class BagReader final : public SequenceReader {
     return result;
   }
 
-  void describe(const std_msgs::Header& header, SequenceImage& result) {
+  void describe(const std_msgs::Header& header, CameraImage& result) {
     result.sequence = sequence_++;
     result.stamp_ns = toNanoseconds(header.stamp);
     const std::optional<double> exposure = exposures_.find(result.stamp_ns);
@@ -99,7 +99,7 @@ class BagReader final : public SequenceReader {
   }
 
   /// Depth images lie in the bag in about the order of their stamps.
-  void findDepth(SequenceImage& result) {
+  void findDepth(CameraImage& result) {
     while (!depths_.isSettled(result.stamp_ns) && next_depth_ != depth_images_.end()) {
       if (const auto depth = next_depth_->instantiate<sensor_msgs::Image>()) depths_.add(depth);
       ++next_depth_;
@@ -114,7 +114,7 @@ class BagReader final : public SequenceReader {
   }
 
   template <typename Decoder>
-  void decode(const Decoder& decoder, SequenceImage& result) const {
+  void decode(const Decoder& decoder, CameraImage& result) const {
     try {
       result.image = decoder();
     } catch (const std::exception& error) {

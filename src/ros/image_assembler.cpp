@@ -19,12 +19,12 @@ std::uint64_t ImageAssembler::addImage(const sensor_msgs::ImageConstPtr& image, 
     missing = sender - *last_sender_sequence_ - 1;
   }
   last_sender_sequence_ = sender;
-  Waiting waiting;
-  waiting.input.message = image;
-  waiting.input.sequence = next_sequence_ + missing;
-  waiting.arrival = now;
-  next_sequence_ = waiting.input.sequence + 1;
-  waiting_.push_back(waiting);
+  InputImage input;
+  input.message = image;
+  input.sequence = next_sequence_ + missing;
+  input.arrival = now;
+  next_sequence_ = input.sequence + 1;
+  waiting_.push_back(input);
   return missing;
 }
 
@@ -39,30 +39,30 @@ void ImageAssembler::addDepth(const sensor_msgs::ImageConstPtr& depth, double no
   last_depth_ = now;
 }
 
-bool ImageAssembler::ready(const Waiting& waiting, double now) const {
-  const double waited = now - waiting.arrival;
+bool ImageAssembler::ready(const InputImage& input, double now) const {
+  const double waited = now - input.arrival;
   const bool lacks_calibration = !calibrated_ && waited < options_.calibration_wait;
-  return !lacks_calibration && !lacksExposure(waiting, waited) && !lacksDepth(waiting, waited, now);
+  return !lacks_calibration && !lacksExposure(input, waited) && !lacksDepth(input, waited, now);
 }
 
-bool ImageAssembler::lacksExposure(const Waiting& waiting, double waited) const {
+bool ImageAssembler::lacksExposure(const InputImage& input, double waited) const {
   if (options_.fixed_exposure || !exposures_expected_ || waited >= options_.exposure_wait) {
     return false;
   }
-  const std::int64_t stamp = toNanoseconds(waiting.input.message->header.stamp);
+  const std::int64_t stamp = toNanoseconds(input.message->header.stamp);
   return !exposures_.find(stamp).has_value() && !exposures_.hasLater(stamp);
 }
 
-bool ImageAssembler::lacksDepth(const Waiting& waiting, double waited, double now) const {
+bool ImageAssembler::lacksDepth(const InputImage& input, double waited, double now) const {
   const bool expected = last_depth_ && now - *last_depth_ < kDepthMemory;
   return expected && waited < options_.depth_wait &&
-         !depths_.isSettled(toNanoseconds(waiting.input.message->header.stamp));
+         !depths_.isSettled(toNanoseconds(input.message->header.stamp));
 }
 
 std::vector<InputImage> ImageAssembler::takeReady(double now) {
   std::vector<InputImage> ready_images;
   while (!waiting_.empty() && ready(waiting_.front(), now)) {
-    InputImage input = waiting_.front().input;
+    InputImage input = waiting_.front();
     waiting_.pop_front();
     input.exposure = options_.fixed_exposure;
     if (!input.exposure) {

@@ -5,14 +5,17 @@
 
 namespace mba_vo {
 
-TrackedFrameSummary summarize(const TrackedFrame& tracked, const std::string& camera_frame, bool has_reference) {
+TrackedFrameSummary summarize(const TrackerMessage& message) {
+  const TrackedFrame& tracked = *message.tracked;
   TrackedFrameSummary summary;
+  summary.session = message.session;
+  summary.keep_map = message.keep_map;
   summary.header.stamp = toRosTime(tracked.frame->stamp_ns);
-  summary.header.frame_id = camera_frame;
+  summary.header.frame_id = message.mount.camera_frame;
   summary.sequence = tracked.frame->sequence;
   summary.mid_time = toRosTime(tracked.frame->mid_exposure_ns);
   summary.exposure_time = exposureToMessage(tracked.frame->exposure);
-  summary.has_reference = has_reference;
+  summary.has_reference = message.has_reference;
   summary.state = toState(tracked.status);
   summary.reason = tracked.reason;
   summary.map_id = tracked.reference.map_id;
@@ -34,6 +37,7 @@ ReferenceSummary summarize(const Reference& reference, const std::string& map_fr
   summary.map_id = reference.id.map_id;
   summary.keyframe_id = reference.id.keyframe_id;
   summary.revision = reference.id.revision;
+  summary.cause = toString(reference.cause);
   summary.pose = toPoseMsg(reference.T_map_reference);
   summary.points = static_cast<std::uint32_t>(reference.points.size());
   for (const auto& keyframe : reference.T_map_keyframe) {

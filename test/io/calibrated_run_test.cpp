@@ -29,10 +29,10 @@ class RenderedReader : public SequenceReader {
   explicit RenderedReader(std::optional<double> exposure) : exposure_(exposure) {}
   CameraCalibration calibration() const override { return sequence().calibration; }
   std::size_t size() const override { return sequence().frames.size(); }
-  std::optional<SequenceImage> next() override {
+  std::optional<CameraImage> next() override {
     if (next_ == size()) return std::nullopt;
     const SimulatedFrame& f = sequence().frames[next_++];
-    return SequenceImage{f.id, f.mid_exposure_ns, f.mid_exposure_ns, exposure_, f.blurred, "", {}};
+    return CameraImage{f.id, f.mid_exposure_ns, f.mid_exposure_ns, exposure_, f.blurred, "", {}};
   }
 
  private:

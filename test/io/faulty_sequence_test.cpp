@@ -19,11 +19,11 @@ class Recording : public SequenceReader {
  public:
   CameraCalibration calibration() const override { return {}; }
   std::size_t size() const override { return kImages; }
-  std::optional<SequenceImage> next() override {
+  std::optional<CameraImage> next() override {
     if (next_ == kImages) return std::nullopt;
     const std::int64_t stamp = 5000000000 + static_cast<std::int64_t>(next_) * kIntervalNs;
     const cv::Mat image(24, 32, CV_8UC1, cv::Scalar(static_cast<double>(next_ / 2)));
-    return SequenceImage{next_++, stamp, stamp, 0.02, image, "", {}};
+    return CameraImage{next_++, stamp, stamp, 0.02, image, "", {}};
   }
 
  private:
@@ -31,7 +31,7 @@ class Recording : public SequenceReader {
 };
 
 struct Spoilt {
-  std::vector<SequenceImage> images;
+  std::vector<CameraImage> images;
   std::vector<FaultRecord> records;
 };
 Spoilt spoil(unsigned seed, const std::vector<std::string>& kinds) {

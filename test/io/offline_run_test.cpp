@@ -25,17 +25,17 @@ class FakeReader : public SequenceReader {
     return calibration;
   }
   std::size_t size() const override { return images_.size(); }
-  std::optional<SequenceImage> next() override {
-    return next_ == images_.size() ? std::nullopt : std::optional<SequenceImage>(images_[next_++]);
+  std::optional<CameraImage> next() override {
+    return next_ == images_.size() ? std::nullopt : std::optional<CameraImage>(images_[next_++]);
   }
-  SequenceImage& add(double time, std::optional<double> exposure) {
+  CameraImage& add(double time, std::optional<double> exposure) {
     const auto stamp = static_cast<std::int64_t>(std::llround(1e9 * time));
     images_.push_back({images_.size(), stamp, stamp, exposure, cv::Mat(48, 64, CV_8UC1, cv::Scalar(90)), "", {}});
     return images_.back();
   }
 
  private:
-  std::vector<SequenceImage> images_;
+  std::vector<CameraImage> images_;
   std::size_t next_ = 0;
 };
 
@@ -49,7 +49,7 @@ TEST(OfflineRun, EveryImageHasOneRecordWhateverIsWrongWithIt) {
   reader.add(1.03, std::nullopt);
   reader.add(1.03, 0.02);  // repeats
   reader.add(0.50, 0.02);  // goes backwards
-  SequenceImage& broken = reader.add(1.06, 0.02);
+  CameraImage& broken = reader.add(1.06, 0.02);
   broken.image = cv::Mat();
   broken.problem = "000004.png: not a readable image";
   reader.add(1.09, -0.02);

@@ -34,7 +34,7 @@ std::vector<Step> runSteps(int delay) {
     steps.emplace_back();
     // Frames that had to wait for the first reference come first, each with what the mapper made of it.
     std::vector<TrackedFrameConstPtr> reported = result.late;
-    reported.push_back(result.tracked);
+    reported.push_back(result.tracked());
     for (std::size_t n = 0; n < reported.size(); ++n) {
       Step& step = steps.at(reported[n]->frame->sequence);
       if (reported[n]->tracked() && !step.used) {  // at first: it may be tracked again later

@@ -28,6 +28,21 @@ TrackedFrameConstPtr tracked(std::uint64_t sequence, TrackingStatus status, cons
   return result;
 }
 
+/// One image's first result.
+OdometryResult resultOf(const TrackedFrameConstPtr& frame, const std::string& warning = "") {
+  PublishedImage image;
+  image.step.kind = TrackerStep::Kind::kImage;
+  image.step.sequence = frame->frame->sequence;
+  image.step.mid_exposure_ns = frame->frame->mid_exposure_ns;
+  image.step.arrival = 2.0;
+  image.step.reason = warning;
+  image.step.message.tracked = frame;
+  image.step.T_odom_camera = SE3::exp((Vector6() << 1.0, 2.0, 3.0, 0.1, 0.2, 0.3).finished());
+  image.step.T_map_odom = SE3::exp((Vector6() << 4.0, 5.0, 6.0, 0.3, 0.2, 0.1).finished());
+  image.published = 2.01;
+  return {{image}, {}, {}, 1.0};
+}
+
 TrajectoryEntry pose(std::uint64_t sequence, MapId map) {
   TrajectoryEntry entry;
   entry.frame_sequence = sequence;
@@ -38,11 +53,11 @@ TrajectoryEntry pose(std::uint64_t sequence, MapId map) {
 /// Frames 0..4: initialising, initialising, tracked, lost, tracked.
 RunLog fiveFrames() {
   RunLog log;
-  log.add({tracked(0, TrackingStatus::kInitializing, "no map"), {}, {}, 1.0}, "");
-  log.add({tracked(1, TrackingStatus::kInitializing, "no map"), {}, {}, 1.0}, "");
-  log.add({tracked(2, TrackingStatus::kTracking), {}, {}, 1.0}, "exposure odd");
-  log.add({tracked(3, TrackingStatus::kLost, "too few points"), {}, {}, 1.0}, "");
-  log.add({tracked(4, TrackingStatus::kDegraded, "few points"), {}, {}, 1.0}, "");
+  log.add(resultOf(tracked(0, TrackingStatus::kInitializing, "no map")));
+  log.add(resultOf(tracked(1, TrackingStatus::kInitializing, "no map")));
+  log.add(resultOf(tracked(2, TrackingStatus::kTracking), "exposure odd"));
+  log.add(resultOf(tracked(3, TrackingStatus::kLost, "too few points")));
+  log.add(resultOf(tracked(4, TrackingStatus::kDegraded, "few points")));
   return log;
 }
 
@@ -99,14 +114,46 @@ TEST(RunLog, NothingTrackedIsAllDropped) {
 
 TEST(RunLog, LateResultsReplaceTheFirstOnes) {
   RunLog log;
-  log.add({tracked(0, TrackingStatus::kInitializing, "no map"), {}, {}, 1.0}, "");
-  log.add({tracked(1, TrackingStatus::kTracking), {}, {tracked(0, TrackingStatus::kTracking)}, 1.0}, "");
+  log.add(resultOf(tracked(0, TrackingStatus::kInitializing, "no map")));
+  OdometryResult next = resultOf(tracked(1, TrackingStatus::kTracking));
+  next.late = {tracked(0, TrackingStatus::kTracking)};
+  log.add(next);
   log.settle({pose(0, 1), pose(1, 1)});
   ASSERT_EQ(log.frames().size(), 2U);
   EXPECT_EQ(log.frames()[0].status, "TRACKING");
   EXPECT_EQ(log.frames()[0].reason, "had to wait for a reference");
   EXPECT_EQ(log.frames()[0].blur_length_px, 7.0);
   EXPECT_DOUBLE_EQ(log.frames()[0].tracking_ms, 10.0);
+}
+
+TEST(RunLog, KeepsWhatWasPublishedWhateverComesLater) {
+  RunLog log = fiveFrames();
+  OdometryResult late;
+  late.late = {tracked(1, TrackingStatus::kTracking), tracked(3, TrackingStatus::kTracking)};
+  log.add(late);
+  log.settle({pose(0, 1), pose(1, 1), pose(3, 1)});
+  const auto& frames = log.frames();
+  EXPECT_EQ(frames[1].status, "TRACKING");
+  EXPECT_EQ(frames[1].online_status, "INITIALIZING");
+  EXPECT_FALSE(frames[1].published);
+  EXPECT_FALSE(frames[3].online) << "it was lost when it came";
+  EXPECT_EQ(frames[2].online_status, "TRACKING");
+  EXPECT_EQ(frames[2].published, 2.01);
+  ASSERT_TRUE(frames[2].online);
+  const OdometryResult first = resultOf(tracked(2, TrackingStatus::kTracking));
+  const TrackerStep& step = first.images.front().step;
+  EXPECT_LT((frames[2].online->T_odom_camera.inverse() * step.T_odom_camera).log().norm(), 1e-12);
+  EXPECT_LT((frames[2].online->T_map_camera.inverse() * step.T_map_odom * step.T_odom_camera).log().norm(), 1e-12);
+}
+
+TEST(RunLog, AnOrientationAloneIsNoPose) {
+  auto turned = std::make_shared<TrackedFrame>(*tracked(0, TrackingStatus::kInitializing));
+  turned->orientation_only = true;
+  RunLog log;
+  log.add(resultOf(turned));
+  EXPECT_EQ(log.frames()[0].online_status, "ORIENTATION");
+  EXPECT_TRUE(log.frames()[0].published);
+  EXPECT_FALSE(log.frames()[0].online);
 }
 
 TEST(RunLog, KeepsMessagesKeyframesAndRejectedImages) {
@@ -116,10 +163,14 @@ TEST(RunLog, KeepsMessagesKeyframesAndRejectedImages) {
   MapperOutput second;
   second.message = "second";
   RunLog log;
-  log.add({tracked(0, TrackingStatus::kTracking), {first, second}, {}, 1.0}, "");
-  SequenceImage image;
-  image.sequence = 1;
-  log.addRejected(image, "stamp repeats");
+  OdometryResult result = resultOf(tracked(0, TrackingStatus::kTracking));
+  result.mapping = {first, second};
+  log.add(result);
+  PublishedImage rejected;
+  rejected.step.kind = TrackerStep::Kind::kRejected;
+  rejected.step.sequence = 1;
+  rejected.step.reason = "stamp repeats";
+  log.add({{rejected}, {}, {}, 0.0});
   log.settle({pose(0, 1)});
   EXPECT_EQ(log.keyframes().size(), 1U);
   EXPECT_EQ(log.frames()[0].message, "first; second");

@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "io/temporary_folder.h"
+#include "mba_vo/io/frames_csv.h"
 #include "mba_vo/io/progress_bar.h"
 #include "mba_vo/io/run_writer.h"
 #include "mba_vo/io/trajectory_writer.h"
@@ -73,13 +74,22 @@ TEST(RunWriter, FramesCsvHasARowPerFrameAndEmptyFieldsForTheUnknown) {
   good.residual_rms = 3.25;
   good.pixel_error = 0.5;
   good.tracking_ms = 6.5;
+  constexpr double kVariances[] = {1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
+  lost.online_status = "LOST";
+  good.online_status = "TRACKING";
+  good.arrival = 1.51;
+  good.published = 1.525;
+  const Matrix6 diagonal = Eigen::Map<const Vector6>(kVariances).asDiagonal();
+  good.online = OnlinePose{2, SE3(), SE3(), diagonal};
   std::ostringstream text;
   writeFrames({lost, good}, text);
   EXPECT_EQ(
       text.str(),
-      "sequence,time,stamp,exposure,status,reason,map,blur_px,points,residual,error_px,tracking_ms,mapping_ms,message\n"
-      "7,1.500000000,1.490000000,,LOST,\"a \"\"reason\"\", with comma\",,,,,,0.000,0.000,\"\"\n"
-      "7,1.500000000,1.490000000,0.020000,TRACKING,\"\",2,12.35,400,3.250,0.500,6.500,0.000,\"\"\n");
+      "sequence,time,stamp,exposure,status,reason,map,blur_px,points,residual,error_px,tracking_ms,mapping_ms,message,"
+      "arrival,published,online_status,covariance\n"
+      "7,1.500000000,1.490000000,,LOST,\"a \"\"reason\"\", with comma\",,,,,,0.000,0.000,\"\",0.000000,,LOST,\n"
+      "7,1.500000000,1.490000000,0.020000,TRACKING,\"\",2,12.35,400,3.250,0.500,6.500,0.000,\"\",1.510000,1.525000,"
+      "TRACKING,1 0 0 0 0 0 2 0 0 0 0 3 0 0 0 4 0 0 5 0 6\n");
 }
 
 TEST(RunWriter, KeyframesCsvHasARowPerKeyframe) {
@@ -100,9 +110,9 @@ TEST(RunWriter, WritesAllFilesAndAReadableSummary) {
   result.times.tracking = 2.0;
   result.exposure = {2.5, 0.03, true};
   result.times.cpu = 3.0;
-  SequenceImage rejected;
-  rejected.sequence = 9;
-  result.log.addRejected(rejected, "stamp repeats");
+  PublishedImage rejected;
+  rejected.step.kind = TrackerStep::Kind::kRejected;
+  result.log.add({{rejected}, {}, {}, 0.0});
   result.log.settle(result.trajectory);
   writeRun(folder.file("new/run"), result, {{"sequence", "C:\\my \"room\""}});
   for (const char* name : {"trajectory.txt", "exposure_trajectory.txt", "frames.csv", "keyframes.csv"}) {

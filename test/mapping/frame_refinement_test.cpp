@@ -51,7 +51,6 @@ Outcome tellAWrongPose(const MapperConfig& config, const WrongPose& told,
   for (int i = 0; i < 2; ++i) EXPECT_NE(follower.toNextKeyframe().keyframe->frame_sequence, sequence);
   while (mapper.doDeferredWork()) {
   }
-  mapper.finishDeferredWork();
   return {(right.inverse() * poseOf(mapper, sequence)).log().tail<3>().norm(), mapper.trajectory().size()};
 }
 

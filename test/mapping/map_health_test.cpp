@@ -52,7 +52,7 @@ TEST(MapHealth, AYoungMapIsWrongAtOnceAnOldOneIfItStaysSo) {
   EXPECT_TRUE(old.isYoung());
 }
 
-TEST(MapHealth, UsualErrorOfFramesIsTheirMedianOfLate) {
+TEST(MapHealth, ResidualGateOfFramesIsTheirMedianOfLate) {
   MapHealth health({});
   EXPECT_EQ(health.usualFrameError(), 0.0);
   for (const double error : {0.2, 0.4, 9.0}) health.addFrame(error);

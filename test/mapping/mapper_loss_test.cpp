@@ -57,8 +57,9 @@ TEST(Mapper, AMapThatContradictsItsImagesIsGivenUpAndItsPosesForgotten) {
   for (const TrajectoryEntry& entry : mapper.trajectory()) EXPECT_NE(entry.map_id, map);
   // The tracker is told, by the next map if the frames of the beginning make one.
   ASSERT_NE(output.reference, nullptr);
-  EXPECT_TRUE(!output.reference->withdrawn.empty() || output.reference->id.map_id > map);
-  EXPECT_TRUE(output.reference->withdrawn.empty() || output.reference->id.map_id == map);
+  const bool closed = output.reference->cause == ReferenceCause::kMapClosed;
+  EXPECT_EQ(closed, !output.reference->closed_because.empty());
+  EXPECT_EQ(closed, output.reference->id.map_id == map);
 }
 
 TEST(Mapper, BeingLostForLongBeginsANewMapWithANewId) {
@@ -125,9 +126,8 @@ TEST(Mapper, FindsALostCameraByItsKeyframes) {
   Mapper mapper(config());
   const Initialised initial = initialise(mapper);
   ASSERT_NE(initial.output.reference, nullptr);
-  mapper.finishDeferredWork();
   const std::uint64_t first = initial.output.reference->hint->frame_sequence - frames()[0]->sequence;
-  const auto trajectory = mapper.trajectory();
+  const auto trajectory = mapper.finishedTrajectory();
   ReferenceConstPtr found;
   for (std::size_t i = 0; i < 10 && !found; ++i) {
     const FrameConstPtr frame =

@@ -29,10 +29,10 @@ Correction runOnce(const test::RenderedSequence& sequence, const CameraCalibrati
   Odometry odometry(options, 0);
   FrameBuilder builder(calibration, {}, {});
   for (const SimulatedFrame& f : sequence.frames) {
-    builder.correct(odometry.correction());
+    builder.correct(odometry.mapper().correction());
     odometry.process(builder.build(f.blurred, f.id, f.mid_exposure_ns, f.mid_exposure_ns, kExposure));
   }
-  return odometry.correction();
+  return odometry.mapper().correction();
 }
 
 Correction run(const test::RenderedSequence& sequence, const CameraCalibration& calibration, int passes) {

@@ -47,7 +47,7 @@ std::vector<Outcome> run(Odometry& odometry) {
   std::vector<Outcome> outcomes;
   const auto take = [&](const OdometryResult& result) {
     for (const TrackedFrameConstPtr& late : result.late) outcomes.push_back(test::outcomeOf(*late));
-    if (result.tracked) outcomes.push_back(test::outcomeOf(*result.tracked));
+    if (result.tracked()) outcomes.push_back(test::outcomeOf(*result.tracked()));
   };
   for (const FrameConstPtr& frame : images()) take(odometry.process(frame));
   take(odometry.finish());
@@ -57,7 +57,7 @@ std::vector<Outcome> run(Odometry& odometry) {
 TEST(Deblurring, DeterministicRunsDoNotDependOnTime) {
   Odometry odometry = makeOdometry("trajectory");
   const std::vector<Outcome> first = run(odometry);
-  const DeblurCounts counts = odometry.deblurCounts();
+  const DeblurCounts counts = odometry.mapper().deblurCounts();
   EXPECT_GT(counts.sharpened, 1U);
   EXPECT_EQ(counts.too_slow, 0U) << "each result is waited for";
 
@@ -81,8 +81,8 @@ TEST(Deblurring, WhereNoSharpImageGetsIntoTheMapAllIsAsWithout) {
   }
   Odometry odometry = makeOdometry("folder", true, folder.file(""));
   const std::vector<Outcome> outcomes = run(odometry);
-  EXPECT_GT(odometry.deblurCounts().sharpened, 1U);
-  EXPECT_EQ(odometry.deblurCounts().in_map, 0U);
+  EXPECT_GT(odometry.mapper().deblurCounts().sharpened, 1U);
+  EXPECT_EQ(odometry.mapper().deblurCounts().in_map, 0U);
 
   Odometry without = makeOdometry("none");
   test::expectSame(outcomes, run(without));
@@ -93,11 +93,13 @@ TEST(Deblurring, AResetLeavesNoSharpKeyframeBehind) {
   const std::vector<Outcome> expected = run(fresh);
   Odometry odometry = makeOdometry("trajectory");
   std::size_t next = 0;
-  const auto isBusy = [&] { return odometry.deblurCounts().sharpened > 0 && odometry.deblurCounts().waiting > 0; };
+  const auto isBusy = [&] {
+    return odometry.mapper().deblurCounts().sharpened > 0 && odometry.mapper().deblurCounts().waiting > 0;
+  };
   while (!isBusy() && next < images().size()) odometry.process(images()[next++]);
   ASSERT_TRUE(isBusy());
   odometry.reset();
-  EXPECT_EQ(odometry.deblurCounts().waiting, 0U);
+  EXPECT_EQ(odometry.mapper().deblurCounts().waiting, 0U);
   const std::vector<Outcome> after = run(odometry);
   ASSERT_EQ(after.size(), expected.size());
   for (std::size_t i = 0; i < after.size(); ++i) {

@@ -53,9 +53,9 @@ OdometryRun runOdometry(const std::vector<FrameConstPtr>& frames, int reference_
   bool begun = false;
   for (const FrameConstPtr& frame : frames) {
     const OdometryResult result = odometry.process(frame);
-    begun = begun || result.tracked->tracked();
+    begun = begun || result.tracked()->tracked();
     if (!begun) ++run.initializing_at_first;
-    if (begun && !result.tracked->tracked()) ++run.lost;
+    if (begun && !result.tracked()->tracked()) ++run.lost;
     for (const MapperOutput& output : result.mapping) run.keyframes += output.keyframe ? 1 : 0;
   }
   odometry.finish();

@@ -47,7 +47,7 @@ Outcome run() {
   Outcome outcome;
   bool begun = false;
   for (const FrameConstPtr& frame : test::toFrames(turns(), false, kExposure)) {
-    const bool tracked = odometry.process(frame).tracked->tracked();
+    const bool tracked = odometry.process(frame).tracked()->tracked();
     begun = begun || tracked;
     if (begun && !tracked) ++outcome.lost;
   }

@@ -92,10 +92,10 @@ MetricRun run(const test::RenderedSequence& images, const DepthOf& depthOf) {
         odometry.process(builder.build(f.blurred, f.id, f.mid_exposure_ns, f.mid_exposure_ns, f.exposure, depthOf(f)));
     ++processed;
     for (const TrackedFrameConstPtr& late : step.late) witness.add(*late);
-    witness.add(*step.tracked);
+    witness.add(*step.tracked());
     for (const MapperOutput& output : step.mapping) {
       witness.add(output);
-      if (!output.reference || !output.reference->withdrawn.empty()) continue;
+      if (!output.reference || output.reference->cause == ReferenceCause::kMapClosed) continue;
       if (output.reference->id.map_id != map) ++result.maps;
       map = output.reference->id.map_id;
       result.last_metric = output.reference->metric;

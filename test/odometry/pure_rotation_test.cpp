@@ -67,10 +67,10 @@ TEST(PureRotation, MakesNoMapUntilTheCameraWalks) {
     }
     if (simulator.time(i) > kTurning) continue;
     ASSERT_EQ(map_at, 0.0) << "a map was invented";
-    ASSERT_EQ(result.tracked->status, TrackingStatus::kInitializing);
-    EXPECT_TRUE(result.tracked->orientation_only) << "frame " << i;
+    ASSERT_EQ(result.tracked()->status, TrackingStatus::kInitializing);
+    EXPECT_TRUE(result.tracked()->orientation_only) << "frame " << i;
     const SE3 T_first_frame = truth.at(0).inverse() * frame.T_world_mid;
-    const SE3& estimated = result.tracked->trajectory.T_reference_mid;
+    const SE3& estimated = result.tracked()->trajectory.T_reference_mid;
     EXPECT_LT(kDegrees * estimated.rotation().angularDistance(T_first_frame.rotation()), 1.0) << "frame " << i;
     turned = std::max(turned, kDegrees * T_first_frame.rotation().angularDistance(SE3().rotation()));
   }

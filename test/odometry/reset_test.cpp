@@ -67,7 +67,7 @@ Life live(Odometry& odometry) {
   Life life;
   const auto take = [&](const OdometryResult& result) {
     for (const TrackedFrameConstPtr& late : result.late) life.outcomes.push_back(outcomeOf(*late));
-    if (result.tracked) life.outcomes.push_back(outcomeOf(*result.tracked));
+    if (result.tracked()) life.outcomes.push_back(outcomeOf(*result.tracked()));
     for (const MapperOutput& output : result.mapping) {
       life.messages.push_back(output.message.substr(0, output.message.find("map ")) +
                               (output.keyframe ? std::to_string(output.keyframe->keyframe_id) : "-"));
@@ -114,7 +114,7 @@ TEST_P(ResetOfTheOdometry, LeavesNothingBehindButTheTrajectory) {
     const bool upside_down = i >= state.frames;
     last = odometry.process(moved(sequence().at(static_cast<std::size_t>(i)), state.seconds, upside_down));
   }
-  EXPECT_EQ(std::string(toString(last.tracked->status)) + (last.late.empty() ? "" : ", others late"), state.state);
+  EXPECT_EQ(std::string(toString(last.tracked()->status)) + (last.late.empty() ? "" : ", others late"), state.state);
   const std::size_t before = odometry.trajectory().size();
   odometry.reset();
   EXPECT_GE(odometry.trajectory().size(), before) << "the trajectory so far is kept";

@@ -36,10 +36,10 @@ void expectTracked(const TrackedFrame& tracked, int index) {
 TEST(TrackingAhead, ANewFrameGetsAFirstResultAtOnceAndAnotherInItsTurn) {
   TrackingLoop loop(demanding());
   leaveTheView(loop, kLast);
-  EXPECT_FALSE(loop.goesAhead());
+  EXPECT_NE(loop.phase(), TrackingPhase::kRevising);
   ASSERT_TRUE(loop.take(keyframeAt(kKeyframe)));
-  ASSERT_TRUE(loop.goesAhead());
-  EXPECT_FALSE(loop.catchesUp());
+  ASSERT_EQ(loop.phase(), TrackingPhase::kRevising);
+  EXPECT_NE(loop.phase(), TrackingPhase::kCatchingUp);
   const TrackedFrameConstPtr again = loop.trackWaiting();
   ASSERT_NE(again, nullptr);
   expectTracked(*again, kKeyframe + 1);
@@ -49,14 +49,14 @@ TEST(TrackingAhead, ANewFrameGetsAFirstResultAtOnceAndAnotherInItsTurn) {
   expectTracked(*first, kLast + 1);
   EXPECT_TRUE(first->provisional);
   expectConsistent(loop, *first);
-  EXPECT_TRUE(loop.goesAhead());
+  EXPECT_EQ(loop.phase(), TrackingPhase::kRevising);
   for (int i = kKeyframe + 2; i <= kLast + 1; ++i) {
     const TrackedFrameConstPtr late = loop.trackWaiting();
     ASSERT_NE(late, nullptr) << i;
     expectTracked(*late, i);
   }
   EXPECT_EQ(loop.trackWaiting(), nullptr);
-  EXPECT_FALSE(loop.goesAhead());
+  EXPECT_NE(loop.phase(), TrackingPhase::kRevising);
   const TrackedFrameConstPtr next = loop.process(frame(kLast + 2));
   expectTracked(*next, kLast + 2);
   expectConsistent(loop, *next);
@@ -71,7 +71,7 @@ TEST(TrackingAhead, AnotherReferenceMayComeMeanwhile) {
   auto moved = makeReference(1, 2, kKeyframe, someCorrection() * truth(0, kKeyframe));
   moved->T_map_keyframe[1] = someCorrection() * truth(0, kKeyframe - 2);  // the map has been optimised
   ASSERT_TRUE(loop.take(moved));
-  ASSERT_TRUE(loop.goesAhead());
+  ASSERT_EQ(loop.phase(), TrackingPhase::kRevising);
   const TrackedFrameConstPtr ahead = loop.process(frame(kLast + 2));
   ASSERT_TRUE(ahead->tracked()) << ahead->reason;
   EXPECT_LT(distance(ahead->trajectory.T_reference_mid, truth(kKeyframe, kLast + 2)), kClose);
@@ -92,12 +92,12 @@ TEST(TrackingAhead, FramesThatWereSeenWellEnoughAreLeftAlone) {
     TrackingLoop loop(config);
     leaveTheView(loop, kFew);
     ASSERT_TRUE(loop.take(keyframeAt(kFew - 1)));
-    if (!loop.goesAhead()) continue;  // not worth another look
+    if (loop.phase() != TrackingPhase::kRevising) continue;  // not worth another look
     const TrackedFrameConstPtr tracked = loop.process(frame(kFew + 1));
     ASSERT_TRUE(tracked->tracked()) << tracked->reason;
-    EXPECT_EQ(tracked->provisional, loop.goesAhead());
+    EXPECT_EQ(tracked->provisional, loop.phase() == TrackingPhase::kRevising);
     EXPECT_LT(distance(tracked->trajectory.T_reference_mid, truth(kFew - 1, kFew + 1)), kClose);
-    ++(loop.goesAhead() ? tracked_again : left_alone);
+    ++(loop.phase() == TrackingPhase::kRevising ? tracked_again : left_alone);
   }
   EXPECT_GT(left_alone, 0);
   EXPECT_GT(tracked_again, 0);
@@ -128,8 +128,8 @@ TEST(TrackingAhead, AfterALossNewFramesWait) {
   leaveTheView(loop, kLast);
   loop.process(elsewhere(0.01));
   ASSERT_TRUE(loop.take(keyframeAt(kKeyframe)));
-  EXPECT_FALSE(loop.goesAhead());
-  EXPECT_FALSE(loop.catchesUp()) << "all have been tried before";
+  EXPECT_NE(loop.phase(), TrackingPhase::kRevising);
+  EXPECT_NE(loop.phase(), TrackingPhase::kCatchingUp) << "all have been tried before";
   EXPECT_GT(loop.waitingFrames(), 0U);
 }
 
@@ -137,12 +137,12 @@ TEST(TrackingAhead, FramesBeforeTheFirstReferenceHaveToBeCaughtUpWith) {
   TrackingLoop loop{OdometryConfig()};
   for (int i = 1; i <= 3; ++i) loop.process(frame(i));
   ASSERT_TRUE(loop.take(makeReference(1, 0, 0, SE3(), 0)));
-  EXPECT_TRUE(loop.catchesUp());
-  EXPECT_FALSE(loop.goesAhead());
+  EXPECT_EQ(loop.phase(), TrackingPhase::kCatchingUp);
+  EXPECT_NE(loop.phase(), TrackingPhase::kRevising);
   EXPECT_EQ(loop.process(frame(4))->status, TrackingStatus::kInitializing);
   while (loop.trackWaiting()) {
   }
-  EXPECT_FALSE(loop.catchesUp());
+  EXPECT_NE(loop.phase(), TrackingPhase::kCatchingUp);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -45,8 +46,19 @@ inline std::shared_ptr<Reference> makeReference(MapId map, KeyframeId keyframe, 
   reference->id = {map, keyframe, 0};
   reference->T_map_reference = T_map_reference;
   reference->T_map_keyframe = {{keyframe, T_map_reference}};
-  if (hint) reference->hint = {view(*hint).id, view(*hint).mid_exposure_ns, trueTrajectory(index, *hint)};
+  if (hint) {
+    reference->cause = ReferenceCause::kMapBegins;
+    reference->hint = {view(*hint).id, view(*hint).mid_exposure_ns, trueTrajectory(index, *hint)};
+  }
   return reference;
+}
+
+/// What the mapper sends when it gives up the map of `reference`.
+inline ReferenceConstPtr closed(const Reference& reference, const std::string& reason) {
+  auto last = std::make_shared<Reference>(reference);
+  last->cause = ReferenceCause::kMapClosed;
+  last->closed_because = reason;
+  return last;
 }
 
 /// Takes the reference and tracks all that waited for it.

@@ -131,12 +131,11 @@ TEST(TrackingLoop, LeavesAMapThatWasGivenUp) {
   adopt(loop, makeReference(1, 0, 0, SE3(), 0));
   loop.process(frame(1));
   auto other = std::make_shared<Reference>(*makeReference(7, 0, 0, SE3()));
-  other->withdrawn = "another one";
+  other->cause = ReferenceCause::kMapClosed;
+  other->closed_because = "another one";
   EXPECT_FALSE(loop.take(other));
   EXPECT_NE(loop.reference(), nullptr);
-  auto withdrawn = std::make_shared<Reference>(*makeReference(1, 0, 0, SE3()));
-  withdrawn->withdrawn = "map 1 was given up";
-  EXPECT_TRUE(loop.take(withdrawn));
+  EXPECT_TRUE(loop.take(closed(*loop.reference(), "map 1 was given up")));
   EXPECT_EQ(loop.reference(), nullptr);
   const TrackedFrameConstPtr tracked = loop.process(frame(2));
   EXPECT_EQ(tracked->status, TrackingStatus::kInitializing);

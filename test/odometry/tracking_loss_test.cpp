@@ -16,19 +16,18 @@ namespace {
 /// An image that shows nothing.
 FrameConstPtr blank(double seconds_later) { return later(cv::Mat1f(240, 376, 90.0F), seconds_later); }
 
-TEST(TrackingLoop, BeginsANewMapAfterBeingLostAndOdometryGoesOnFromThere) {
-  const OdometryConfig config;
-  TrackingLoop loop(config);
+TEST(TrackingLoop, BeginsANewMapWhenItsOwnIsClosedAndOdometryGoesOnFromThere) {
+  TrackingLoop loop{OdometryConfig()};
   adopt(loop, makeReference(1, 0, 0, SE3(), 0));
   for (int i = 1; i <= 3; ++i) loop.process(frame(i));
   const SE3 last = loop.T_odom_camera();
-  for (double t = 0.0; t < config.mapper.restart_after_lost - 0.01; t += 0.2) {
+  for (double t = 0.0; t < 1.0; t += 0.2) {
     const TrackedFrameConstPtr tracked = loop.process(elsewhere(t));
     EXPECT_EQ(tracked->status, TrackingStatus::kLost) << t;
     EXPECT_FALSE(tracked->reason.empty());
   }
-  EXPECT_EQ(loop.process(elsewhere(config.mapper.restart_after_lost))->status, TrackingStatus::kLost);
-  EXPECT_EQ(loop.process(elsewhere(config.mapper.restart_after_lost + 0.2))->status, TrackingStatus::kInitializing);
+  EXPECT_TRUE(loop.take(closed(*loop.reference(), "lost for too long")));
+  EXPECT_EQ(loop.process(elsewhere(1.2))->status, TrackingStatus::kInitializing);
   EXPECT_EQ(loop.reference(), nullptr);
   EXPECT_LT(distance(loop.T_odom_camera(), last), 1e-12);
   adopt(loop, makeReference(2, 0, 6, someCorrection(), 6));
@@ -95,7 +94,7 @@ TEST(TrackingLoop, GoesOnFromWhereTheMapperFoundIt) {
   TrackingLoop loop{OdometryConfig()};
   adopt(loop, makeReference(1, 0, 0, SE3(), 0));
   loop.process(frame(1));
-  const SE3 T_odom_first = loop.T_odom_camera() * truth(1, 0);
+  const SE3 T_odom_last = loop.T_odom_camera();
   for (int i = 2; i < 6; ++i) {  // somewhere else in the meantime
     EXPECT_EQ(
         loop.process(makeFrame(elsewhere(0.0)->pyramid.level(0).intensity, view(i).mid_exposure_ns, 0.02, 400))->status,
@@ -104,6 +103,7 @@ TEST(TrackingLoop, GoesOnFromWhereTheMapperFoundIt) {
   // The mapper has seen frame 10 with keyframe 3; frame 11 came in the meantime.
   const TrackedFrameConstPtr lost = loop.process(frame(11));
   auto reference = makeReference(1, 3, 9, truth(0, 9), 10);
+  reference->cause = ReferenceCause::kFoundAgain;
   reference->T_map_keyframe[0] = SE3();
   const auto again = adopt(loop, reference);
   const TrackedFrameConstPtr tracked = loop.process(frame(12));
@@ -112,8 +112,9 @@ TEST(TrackingLoop, GoesOnFromWhereTheMapperFoundIt) {
   if (!lost->tracked()) {
     EXPECT_EQ(again.size(), 1U) << "the lost frame after the hint is tracked again";
   }
-  // The way there was not seen, but it is known now: odometry is where the map says.
-  EXPECT_LT(distance(loop.T_odom_camera(), T_odom_first * truth(0, 12)), 2 * kClose);
+  // The way there was not seen: odometry goes on from where it was, and map -> odom takes the rest.
+  EXPECT_LT(distance(loop.T_odom_camera(), T_odom_last * truth(10, 12)), 2 * kClose);
+  EXPECT_LT(distance(loop.T_map_odom() * loop.T_odom_camera(), truth(0, 12)), kClose);
 }
 
 TEST(TrackingLoop, AfterALossAPoorPoseIsNone) {

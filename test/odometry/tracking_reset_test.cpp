@@ -30,8 +30,7 @@ std::vector<Outcome> live(TrackingLoop& loop) {
   const auto note = [&](const TrackedFrameConstPtr& tracked) {
     if (!tracked) return;
     outcomes.push_back(outcomeOf(*tracked, loop.T_odom_camera()));
-    outcomes.back().text += " " + std::to_string(loop.waitingFrames()) + " wait" + (loop.goesAhead() ? ", ahead" : "") +
-                            (loop.catchesUp() ? ", catching up" : "");
+    outcomes.back().text += " " + std::to_string(loop.waitingFrames()) + " wait, " + toString(loop.phase());
   };
   for (int i = 0; i <= 3; ++i) note(loop.process(frame(i)));
   for (const auto& late : adopt(loop, makeReference(1, 0, 0, SE3(), 1))) note(late);
@@ -79,9 +78,7 @@ const LoopState kLoopStates[] = {
     {"InitializingAfterAMapWasGivenUp",
      [](TrackingLoop& loop) {
        trackFrom(loop, 1, 3);
-       auto withdrawn = std::make_shared<Reference>(*loop.reference());
-       withdrawn->withdrawn = "given up";
-       EXPECT_TRUE(loop.take(withdrawn));
+       EXPECT_TRUE(loop.take(closed(*loop.reference(), "given up")));
        EXPECT_EQ(loop.process(frame(4))->status, TrackingStatus::kInitializing);
      }},
     {"CatchingUp",
@@ -89,7 +86,7 @@ const LoopState kLoopStates[] = {
        for (int i = 0; i < 6; ++i) loop.process(frame(i));
        loop.take(makeReference(1, 0, 0, someCorrection(), 1));
        EXPECT_NE(loop.trackWaiting(), nullptr);
-       EXPECT_TRUE(loop.catchesUp());
+       EXPECT_EQ(loop.phase(), TrackingPhase::kCatchingUp);
      }},
     {"HeldForAKeyframe",
      [](TrackingLoop& loop) {
@@ -134,8 +131,10 @@ const LoopState kLoopStates[] = {
     {"LostForGood",
      [](TrackingLoop& loop) {
        trackFrom(loop, 1, 3);
-       for (int i = 0; i < 40; ++i) loop.process(elsewhere(0.1 * i));
-       EXPECT_EQ(loop.reference(), nullptr);
+       for (int i = 0; i < 20; ++i) loop.process(elsewhere(0.1 * i));
+       EXPECT_TRUE(loop.take(closed(*loop.reference(), "lost for too long")));
+       loop.process(elsewhere(2.0));
+       EXPECT_EQ(loop.phase(), TrackingPhase::kNoMap);
      }},
     {"Covered",
      [](TrackingLoop& loop) {
@@ -158,7 +157,7 @@ const LoopState kLoopStates[] = {
        next->T_map_keyframe[0] = someCorrection();
        ASSERT_TRUE(loop.take(next));
        EXPECT_NE(loop.trackWaiting(), nullptr);
-       EXPECT_TRUE(loop.goesAhead());
+       EXPECT_EQ(loop.phase(), TrackingPhase::kRevising);
        loop.process(frame(10));  // ahead of those that wait, or instead of them
      }},
 };

@@ -17,8 +17,8 @@ TrackedFrameMessage testMessage() {
   tracked->reason = "dark";
   tracked->reference = {3, 5, 7};
   TrackedFrameMessage message;
-  message.tracked = tracked;
-  message.summary = summarize(*tracked, "camera", true);
+  message.message = {99, true, true, {"camera", SE3()}, tracked};
+  message.summary = summarize(message.message);
   return message;
 }
 
@@ -27,8 +27,9 @@ TEST(IntraProcessMessages, OutsideTheProcessOnlyTheSummaryArrives) {
   const ros::SerializedMessage buffer = ros::serialization::serializeMessage(sent);
   TrackedFrameMessage received;
   ros::serialization::deserializeMessage(buffer, received);
-  EXPECT_EQ(received.tracked, nullptr);
+  EXPECT_EQ(received.message.tracked, nullptr);
   EXPECT_EQ(received.summary.sequence, 17U);
+  EXPECT_EQ(received.summary.session, 99U);
   EXPECT_EQ(received.summary.reason, "dark");
   EXPECT_EQ(received.summary.map_id, 3U);
   EXPECT_EQ(toNanoseconds(received.summary.header.stamp), 123'000'000'000);

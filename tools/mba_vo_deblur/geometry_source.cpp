@@ -22,7 +22,7 @@ class EstimatedGeometry final : public GeometrySource {
       : motion_(exposuresOf(folder)), points_(readPoints(folder + "/points.txt")) {}
   std::optional<FrameMotion> motion(std::int64_t mid_exposure_ns) const override { return motion_.at(mid_exposure_ns); }
   std::vector<DepthSample> depths(const PinholeCamera& camera, const FrameMotion& motion,
-                                  const SequenceImage& image) const override {
+                                  const CameraImage& image) const override {
     return depthsInFrame(points_, camera, motion, image.mid_exposure_ns);
   }
 
@@ -69,7 +69,7 @@ class TrueGeometry final : public GeometrySource {
     return std::nullopt;
   }
   std::vector<DepthSample> depths(const PinholeCamera& /*camera*/, const FrameMotion& /*motion*/,
-                                  const SequenceImage& image) const override {
+                                  const CameraImage& image) const override {
     constexpr int kSpacing = 6;                // [px]
     constexpr float kUnitsPerMetre = 5000.0F;  // of the depth images
     constexpr float kBeyond = 1.0F / 14.0F;    // inverse depth where the image has none [1/m]

@@ -17,7 +17,7 @@ class GeometrySource {
   virtual ~GeometrySource() = default;
   virtual std::optional<FrameMotion> motion(std::int64_t mid_exposure_ns) const = 0;
   virtual std::vector<DepthSample> depths(const PinholeCamera& camera, const FrameMotion& motion,
-                                          const SequenceImage& image) const = 0;
+                                          const CameraImage& image) const = 0;
 };
 
 /// exposure_trajectory.txt and points.txt of a run.

@@ -35,13 +35,13 @@ class FaultySequence : public SequenceReader {
 
   CameraCalibration calibration() const override { return calibration_; }
   std::size_t size() const override { return images_.size(); }
-  std::optional<SequenceImage> next() override;
+  std::optional<CameraImage> next() override;
 
   const std::vector<FaultRecord>& records() const { return records_; }
 
  private:
   CameraCalibration calibration_;
-  std::vector<SequenceImage> images_;
+  std::vector<CameraImage> images_;
   std::vector<FaultRecord> records_;
   std::size_t next_ = 0;
 };

@@ -7,6 +7,7 @@
 
 #include "mba_vo/io/run_log.h"
 #include "mba_vo/io/sequence.h"
+#include "mba_vo/odometry/machine.h"
 #include "mba_vo/odometry/odometry.h"
 
 namespace mba_vo {
@@ -26,6 +27,7 @@ struct OfflineOptions {
   std::size_t skip = 0;                    // images left out at the beginning
   std::size_t frames = 0;                  // images taken after these, 0 = all
   int reference_delay_frames = 0;          // from a keyframe to the frame that is first aligned to it
+  std::optional<Machine> live;             // as if it ran live on this machine; nullopt = no work takes any time
   // What is learnt about the camera from so many images ends the run, at the last of them; 0 = it goes on.
   std::size_t stop_if_learnt_within = 0;
 };

@@ -12,6 +12,14 @@
 
 namespace mba_vo {
 
+/// The pose that was published for an image when it was published.
+struct OnlinePose {
+  MapId map = 0;
+  SE3 T_map_camera;                      // at mid-exposure
+  SE3 T_odom_camera;                     // the same
+  Matrix6 covariance = Matrix6::Zero();  // of T_odom_camera's right increment (translation [m], rotation [rad])
+};
+
 /// What became of one input image: a row of frames.csv. One is kept for each image of a run, so it is small.
 struct FrameRecord {
   std::uint64_t sequence = 0;
@@ -28,18 +36,24 @@ struct FrameRecord {
   std::optional<float> pixel_error;   // [px]
   float tracking_ms = 0.0F;
   float mapping_ms = 0.0F;
-  bool metric = false;  // that map's unit of length is the metre
+  double arrival = 0.0;              // of the image, on the run's clock [s]
+  std::optional<double> published;   // its first pose, or its orientation alone, on the same clock [s]
+  std::string_view online_status;    // then: a status as above, ORIENTATION or SHED
+  std::optional<OnlinePose> online;  // nullopt: no pose was published
+  bool metric = false;               // that map's unit of length is the metre
 
   bool hasPose() const { return map.has_value(); }
 };
+
+/// As far as it is known when the image has its first result.
+FrameRecord recordOf(const PublishedImage& image);
 
 /// Collects one record per input image. The final status is known only once the final trajectory is: frames may be
 /// tracked backwards after initialisation, and a map may be given up.
 class RunLog {
  public:
-  /// A result without a frame, of Odometry::finish, goes to the row of the last one.
-  void add(const OdometryResult& result, const std::string& warning);
-  void addRejected(const SequenceImage& image, const std::string& reason);
+  /// What the mapper did goes to the row of the last image.
+  void add(const OdometryResult& result);
   /// Brings every status in line with the final trajectory. Call once, at the end.
   void settle(const std::vector<TrajectoryEntry>& trajectory);
 
@@ -47,7 +61,6 @@ class RunLog {
   const std::vector<KeyframeReport>& keyframes() const { return keyframes_; }
 
  private:
-  void addFrame(const TrackedFrame& tracked, const std::string& warning);
   void addLate(const TrackedFrame& late);
 
   std::vector<FrameRecord> frames_;

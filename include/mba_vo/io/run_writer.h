@@ -9,8 +9,6 @@
 
 namespace mba_vo {
 
-/// frames.csv: one row per input image.
-void writeFrames(const std::vector<FrameRecord>& frames, std::ostream& out);
 /// keyframes.csv: one row per keyframe with the time of each stage.
 void writeKeyframes(const std::vector<KeyframeReport>& keyframes, std::ostream& out);
 /// summary.yaml: `settings` (name, value) first, then counts, times and memory.

@@ -9,19 +9,9 @@
 
 #include "mba_vo/image/depth_image.h"
 #include "mba_vo/image/frame_builder.h"
+#include "mba_vo/odometry/camera_image.h"
 
 namespace mba_vo {
-
-/// One image of a recorded sequence as it was recorded.
-struct SequenceImage {
-  std::uint64_t sequence = 0;        // position in the sequence, skipped images counted
-  std::int64_t stamp_ns = 0;         // as recorded [ns]
-  std::int64_t mid_exposure_ns = 0;  // [ns]
-  std::optional<double> exposure;    // [s]; nullopt = unknown
-  cv::Mat image;                     // empty if it could not be read
-  std::string problem;               // why the image is empty, or what is wrong with its depth
-  cv::Mat1f depth;                   // z of the image's pixels [m], NaN = unknown; empty = none
-};
 
 /// A source of recorded images: a sequence folder or a bag. Never reads ground truth.
 class SequenceReader {
@@ -31,7 +21,7 @@ class SequenceReader {
   virtual std::size_t size() const = 0;  // images in the sequence
   /// Next image, nullopt at the end. An image that cannot be decoded comes back empty with its `problem`, so that the
   /// rest of the recording is not lost. Throws std::runtime_error naming the file or message if nothing can follow.
-  virtual std::optional<SequenceImage> next() = 0;
+  virtual std::optional<CameraImage> next() = 0;
   /// Leaves out the next image; false at the end.
   virtual bool skip() { return next().has_value(); }
 };

@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
 
+#include "mba_vo/io/run_log.h"
 #include "mba_vo/mapping/mapper.h"
 
 namespace mba_vo {
@@ -16,6 +18,27 @@ void writeTrajectory(const std::vector<TrajectoryEntry>& entries, std::ostream& 
 
 /// `t_mid exposure` + start pose + end pose, each `tx ty tz qx qy qz qw`; maps as in writeTrajectory.
 void writeExposureTrajectory(const std::vector<TrajectoryEntry>& entries, std::ostream& out);
+
+/// Writes poses one by one, in the form of writeTrajectory.
+class PoseLines {
+ public:
+  /// `what`: of the poses, for the comment at the top.
+  PoseLines(std::ostream& out, const std::string& what);
+  void write(std::int64_t mid_exposure_ns, MapId map, const SE3& pose);
+
+ private:
+  std::ostream& out_;
+  std::optional<MapId> last_map_;
+};
+
+inline constexpr const char* kOnlineTrajectory = "as first published: camera to map";
+inline constexpr const char* kOnlineOdometry = "as first published: camera to odom";
+
+/// What was published, when it was published: the pose of each image as it was first told, camera to map, in the form
+/// of writeTrajectory.
+void writeOnlineTrajectory(const std::vector<FrameRecord>& frames, std::ostream& out);
+/// The same, camera to odom, which is continuous; the comment `# map N` tells where the unit of length changes.
+void writeOnlineOdometry(const std::vector<FrameRecord>& frames, std::ostream& out);
 
 /// Seconds with nine decimals, exact.
 std::string formatSeconds(std::int64_t nanoseconds);

@@ -27,14 +27,14 @@ class BackwardTracking {
  public:
   /// `start`: motion at the initial map's reference frame. Takes those of `frames` (by time) that came before it.
   /// They are tracked against `first_keyframe`, a snapshot about it.
-  BackwardTracking(const MapperConfig& config, std::unique_ptr<InitialMap> initial, const MotionState& start,
+  BackwardTracking(const MapperConfig& config, std::shared_ptr<const InitialMap> initial, const MotionState& start,
                    const std::vector<FrameConstPtr>& frames, ReferenceConstPtr first_keyframe);
 
   bool done() const { return frames_.empty(); }
   /// False as long as the first keyframe's points have no good depths: it is better to wait.
   bool isReady(const LocalMap& map) const;
   /// The map has a new keyframe. While the first one is in the window, its points get better.
-  void update(LocalMap& map);
+  void update(const LocalMap& map);
   /// Tracks the next frame, ready or not. The initial map's own pose of the frame, if there is one, is the guess.
   TrackedFrame next();
 
@@ -43,7 +43,7 @@ class BackwardTracking {
 
   Tracker tracker_;
   double unknown_exposure_;  // [s]
-  std::unique_ptr<InitialMap> initial_;
+  std::shared_ptr<const InitialMap> initial_;
   std::vector<FrameConstPtr> frames_;  // still to be tracked, by time
   ReferenceConstPtr first_keyframe_;
   MotionState motion_;

@@ -17,18 +17,18 @@ class DeferredTracking {
   explicit DeferredTracking(const MapperConfig& config) : config_(config), refinement_(config) {}
 
   /// A map begins; see BackwardTracking.
-  void begin(std::unique_ptr<InitialMap> initial, const MotionState& start, const std::vector<FrameConstPtr>& frames,
-             const ReferenceConstPtr& first_keyframe);
+  void begin(std::shared_ptr<const InitialMap> initial, const MotionState& start,
+             const std::vector<FrameConstPtr>& frames, const ReferenceConstPtr& first_keyframe);
   /// The map has taken in a frame, or one of them once more.
   void add(const TrackedFrameConstPtr& tracked);
   /// The window has been optimised with a new keyframe.
-  void update(LocalMap& map);
+  void update(const LocalMap& map);
   void reset();
 
   /// Tracks one frame. False if there is nothing to do, or not yet.
   bool doNext(const LocalMap& map, TrajectoryStore& store);
   /// Tracks all, ready or not.
-  void finish(LocalMap& map, TrajectoryStore& store);
+  void finish(const LocalMap& map, TrajectoryStore& store);
 
  private:
   bool hasFramesBefore() const { return backward_ && !backward_->done(); }

@@ -25,9 +25,9 @@ class FrameRefinement {
   /// A frame as it was tracked: newer than all before, or one of them tracked again.
   void add(const TrackedFrameConstPtr& tracked);
   /// The window has been optimised with a new keyframe.
-  void update(LocalMap& map);
+  void update(const LocalMap& map);
   /// No keyframe will come any more.
-  void finish(LocalMap& map);
+  void finish(const LocalMap& map);
   void reset();
 
   bool done() const { return jobs_.empty(); }
@@ -50,7 +50,7 @@ class FrameRefinement {
     std::optional<Between> between;
   };
 
-  void prepareUntil(LocalMap& map, KeyframeId last);
+  void prepareUntil(const LocalMap& map, KeyframeId last);
   static std::optional<Between> between(const LocalMap& map, const Reference& before, const Reference& after,
                                         const Job& job);
   Job jobFor(const TrackedFrameConstPtr& tracked, const SE3& T_map_camera,

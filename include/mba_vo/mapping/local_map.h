@@ -82,7 +82,7 @@ class LocalMap {
   std::optional<ExposureTrajectory> align(const TrackedFrame& tracked) const;
 
   /// Snapshot for the tracker about one keyframe of the window.
-  std::shared_ptr<Reference> makeReference(KeyframeId keyframe, const std::string& doubt = {});
+  std::shared_ptr<Reference> makeReference(KeyframeId keyframe, const std::string& doubt = {}) const;
 
   /// The newest of those that are known by their positions only, and all of the window.
   std::vector<MapPoint> points() const;
@@ -116,7 +116,6 @@ class LocalMap {
   Window window_;
   std::map<KeyframeId, HostKeyframe> keyframes_;
   KeyframeId next_keyframe_ = 0;
-  std::uint32_t revision_ = 0;
   int departed_ = 0;                     // keyframes that have left the window
   double activation_distance_px_ = 4.0;  // adapted so that the window holds about max_points
   double depth_search_ms_ = 0.0;         // since the last keyframe

@@ -43,20 +43,23 @@ class Mapper {
   /// Does a piece of what can wait for a free moment: tracks one frame that came before the map's first keyframe. False
   /// if there is nothing to do, or not yet.
   bool doDeferredWork();
-  /// Does all of it, ready or not: to be called before the trajectory is written.
-  void finishDeferredWork();
 
   /// The current snapshot, null before initialisation: for a tracker that was restarted.
   ReferenceConstPtr currentReference() const;
 
-  /// Forgets the map; the trajectory store keeps the poses found so far. The next map gets a new map id.
+  /// Forgets the map; the trajectory store keeps the poses found so far, with all that had been put off. The next map
+  /// gets a new map id.
   void reset();
+  /// The same, but what had been put off stays undone: after something has gone wrong.
+  void abandonMap();
 
   /// What the images say that the calibration lacks.
   CalibrationCorrection correction() const;
 
   /// All frames with a measured pose, by time, each re-expressed with its keyframe's newest pose.
   std::vector<TrajectoryEntry> trajectory() const;
+  /// The same as if all that was put off had been done; it has not, and the map goes on as if nobody had asked.
+  std::vector<TrajectoryEntry> finishedTrajectory() const;
   /// Points of the active window and, up to MapperConfig::max_display_points, of marginalised keyframes.
   std::vector<MapPoint> points() const;
   /// What became of the keyframes that were to be deblurred, in all maps.

@@ -5,7 +5,7 @@
 
 #include "mba_vo/mapping/local_map.h"
 #include "mba_vo/relocalization/relocalizer.h"
-#include "mba_vo/tracking/lost_clock.h"
+#include "mba_vo/tracking/lost_timer.h"
 
 namespace mba_vo {
 
@@ -15,7 +15,7 @@ class Recovery {
   explicit Recovery(const MapperConfig& config) : config_(config), relocalizer_(config.relocalizer, config.tracker) {}
 
   /// Keeps a new keyframe, and what is known by now of the others in the window of `map`.
-  void keep(const Reference& keyframe, const Frame& frame, LocalMap& map);
+  void keep(const Reference& keyframe, const Frame& frame, const LocalMap& map);
 
   /// Takes a frame that the tracker lost. `usual_error`: of frames in this map [px].
   std::optional<Relocalizer::Found> lose(const TrackedFrame& frame, double usual_error);
@@ -34,7 +34,7 @@ class Recovery {
  private:
   MapperConfig config_;
   Relocalizer relocalizer_;
-  LostClock clock_;
+  LostTimer clock_;
   std::optional<std::int64_t> found_ns_;  // when the camera was found, until the tracker knows
 };
 

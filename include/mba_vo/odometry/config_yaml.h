@@ -110,6 +110,23 @@ void finalize(OdometryConfig& config);
 /// readConfig, then finalize.
 void applyYaml(const YAML::Node& node, OdometryConfig& config);
 
+/// Throws std::runtime_error naming the file if it cannot be read or parsed.
+YAML::Node loadYamlFile(const std::string& file);
+
+/// Changes the options of any `describe`d struct by a YAML file. Throws std::runtime_error naming the file, and the
+/// option if one is wrong.
+template <typename Config>
+void loadYaml(const std::string& file, Config& config) {
+  const YAML::Node node = loadYamlFile(file);
+  try {
+    readConfig(node, config);
+  } catch (const YAML::Exception& error) {
+    throw std::runtime_error(file + ": " + error.what());
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(file + ": " + error.what());
+  }
+}
+
 /// The defaults changed by the YAML file. Throws std::runtime_error naming the file if it cannot be read or parsed, or
 /// the option that is wrong.
 OdometryConfig loadConfig(const std::string& file);

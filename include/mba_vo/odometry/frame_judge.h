@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mba_vo/odometry/usual_error.h"
+#include "mba_vo/odometry/residual_gate.h"
 #include "mba_vo/tracking/tracker.h"
 
 namespace mba_vo {
@@ -21,8 +21,8 @@ class FrameJudge {
   bool isGap(double seconds) const;
 
   TrackerConfig config_;
-  UsualError usual_error_;
-  UsualError usual_expected_error_;
+  ResidualGate pixel_error_gate_;
+  ResidualGate expected_error_gate_;
   double usual_interval_ = 0.0;  // between the last two frames [s]; 0 = unknown
 };
 

@@ -4,54 +4,76 @@
 #include <deque>
 #include <vector>
 
-#include "mba_vo/mapping/mapper.h"
-#include "mba_vo/odometry/tracking_loop.h"
+#include "mba_vo/odometry/mapper_pipeline.h"
+#include "mba_vo/odometry/tracker_pipeline.h"
 
 namespace mba_vo {
 
-/// What happened to one input frame, or after the last one.
+/// An image's first result with the time at which it was there.
+struct PublishedImage {
+  TrackerStep step;
+  double published = 0.0;  // on the clock of step.arrival [s]
+};
+
+/// What happened since the last call.
 struct OdometryResult {
-  TrackedFrameConstPtr tracked;            // null after the last frame
+  std::vector<PublishedImage> images;      // that have their first results, or were rejected
   std::vector<MapperOutput> mapping;       // one for each result that went to the mapper
   std::vector<TrackedFrameConstPtr> late;  // further results of earlier frames, which had to wait for a reference
   double mapping_ms = 0.0;
+
+  /// Of the last image; null if there is none, or it was rejected.
+  TrackedFrameConstPtr tracked() const { return images.empty() ? nullptr : images.back().step.message.tracked; }
 };
 
-/// Tracker and mapper called in turn, deterministically: the offline pipeline. The mapper's references are adopted
-/// `reference_delay_frames` after the frame that caused them; that holds also among frames that had to wait for the
-/// first reference and are tracked late.
-class Odometry {
+/// Both halves of the pipeline in one loop. How time passes there is up to the derived class.
+class OdometryRun {
+ public:
+  virtual ~OdometryRun() = default;
+
+  /// Throws std::invalid_argument naming what is wrong with the calibration. To be called before the first image.
+  virtual void setCalibration(const CameraCalibration& calibration) = 0;
+  /// The next image, which comes in now.
+  virtual OdometryResult process(const CameraImage& image) = 0;
+  /// After the last image: does what waits.
+  virtual OdometryResult finish() = 0;
+  /// Knows the map and the trajectory.
+  virtual const Mapper& mapper() const = 0;
+};
+
+/// The ideal machine: no work takes any time, and every frame is dealt with before the next one comes. The mapper's
+/// references are adopted `reference_delay_frames` after the frame that caused them; that holds also among frames that
+/// had to wait for the first reference and are tracked late.
+class Odometry : public OdometryRun {
  public:
   /// Throws std::invalid_argument for a negative delay.
-  Odometry(const OdometryConfig& config, int reference_delay_frames);
+  Odometry(const OdometryConfig& config, int reference_delay_frames, const PhotometricCalibration& photometric = {});
 
-  /// Every frame gives exactly one result; its `tracked` is never null.
+  void setCalibration(const CameraCalibration& calibration) override { tracker_.setCalibration(calibration); }
+  OdometryResult process(const CameraImage& image) override;
+  /// Every frame gives exactly one result.
   OdometryResult process(const FrameConstPtr& frame);
+  OdometryResult finish() override;
+  const Mapper& mapper() const override { return mapper_.mapper(); }
 
-  /// To be called after the last frame: does what has been put off. No reference is waited for any longer.
-  OdometryResult finish();
-
-  /// What the images say that the calibration lacks: for the images to come.
-  CalibrationCorrection correction() const { return mapper_.correction(); }
   /// Begins anew, with another map; the trajectory keeps what was found so far.
   void reset();
-
-  std::vector<TrajectoryEntry> trajectory() const { return mapper_.trajectory(); }
-  std::vector<MapPoint> points() const { return mapper_.points(); }
-  DeblurCounts deblurCounts() const { return mapper_.deblurCounts(); }
+  std::vector<TrajectoryEntry> trajectory() const { return mapper().finishedTrajectory(); }
 
  private:
-  bool takeDueReferences(std::uint64_t frame);
-  std::uint64_t nextFrame() const;  // to be tracked
-  void trackWaiting(OdometryResult& result, bool at_end);
-  void map(const TrackedFrameConstPtr& tracked, std::uint64_t frame, OdometryResult& result);
-
   struct PendingReference {
     std::uint64_t due_frame;  // adopted before this frame, counted from 0
-    ReferenceConstPtr reference;
+    MapperMessage message;
   };
-  TrackingLoop tracking_;
-  Mapper mapper_;
+
+  OdometryResult processQueued(OdometryResult result);
+  bool deliverDueReferences(std::uint64_t frame);
+  std::uint64_t nextFrame() const;  // to be tracked
+  void trackWaiting(OdometryResult& result, bool at_end);
+  void map(const TrackerMessage& message, std::uint64_t frame, OdometryResult& result);
+
+  TrackerPipeline tracker_;
+  MapperPipeline mapper_;
   int reference_delay_frames_;
   std::uint64_t frames_ = 0;  // processed so far
   std::deque<PendingReference> pending_;

@@ -3,56 +3,83 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "mba_vo/odometry/config.h"
-#include "mba_vo/tracking/tracker.h"
+#include "mba_vo/odometry/frame_tracking.h"
+#include "mba_vo/odometry/image_check.h"
+#include "mba_vo/odometry/keyframe_scheduler.h"
+#include "mba_vo/odometry/orientation_tracking.h"
+#include "mba_vo/odometry/recent_frames.h"
+#include "mba_vo/odometry/tracking_phase.h"
+#include "mba_vo/odometry/waiting_frames.h"
 
 namespace mba_vo {
 
-/// The loop around the Tracker: keeps the motion prior and the newest reference, decides the status, and keeps odometry
-/// continuous when a reference is adopted. Not thread-safe: one thread calls it.
+/// Decides what becomes of every frame: it is tracked at once, ahead of others, or has to wait; and which frames are
+/// tracked once more when a reference comes. What it does is named by its phase. Not thread-safe: one thread calls it.
 class TrackingLoop {
  public:
   explicit TrackingLoop(const OdometryConfig& config);
-  ~TrackingLoop();
+
+  TrackingPhase phase() const { return phase_; }
 
   /// Every frame gives exactly one result; never null. Without time to spare the orientation is not tracked while there
   /// is no map.
   TrackedFrameConstPtr process(const FrameConstPtr& frame, bool has_time = true);
 
   /// Takes a newer snapshot; the prior is re-expressed through the poses that came with it. False if it is of no use.
-  /// The first snapshot of a map comes with a hint about a frame of the past: frames that came after it and were
-  /// reported as INITIALIZING have waited to be tracked now, so that nothing has to be predicted over a long gap. With
-  /// later ones the frames wait that were lost, or saw the older reference badly, and come after the new one's image;
-  /// unless it may not go back, for want of time.
+  /// With another keyframe, frames that were lost, or saw the older one badly, and came after the new one's image, wait
+  /// to be tracked once more; unless it may not go back, for want of time.
   bool take(const ReferenceConstPtr& reference, bool may_go_back = true);
-  /// Tracks the oldest waiting frame: another, late result, for the mapper. To be called until null before the next
-  /// frame is processed, unless it goes ahead. Null if none waits, or, where they may, if they have to go on waiting
-  /// for a little while: waiting frames pass faster than the mapper makes keyframes, so one that was asked for is
-  /// waited for before the view is left.
+  /// Tracks the oldest waiting frame: another, late result, for the mapper. Null if none waits, or, where they may, if
+  /// they have to go on waiting for a little while: waiting frames pass faster than the mapper makes keyframes, so one
+  /// that was asked for is waited for before the view is left.
   TrackedFrameConstPtr trackWaiting(bool may_hold = true);
-  std::size_t waitingFrames() const;
-  /// True while all frames that wait have been tracked before, the newest one with success. They need not hold up a
-  /// newer frame: it gets a first, provisional result at once and then waits behind them.
-  bool goesAhead() const;
-  /// True while frames wait that have never been tracked: a newer one has to wait behind them.
-  bool catchesUp() const;
+  std::size_t waitingFrames() const { return waiting_.size(); }
+  std::int64_t newestWaitingNs() const { return waiting_.empty() ? 0 : waiting_.back().frame->mid_exposure_ns; }
+  /// Leaves out the oldest of those that wait, but never so many that the next one could not be predicted any more.
+  void leaveOut(std::size_t frames);
 
   /// Forgets the reference and the prior.
   void reset();
 
   /// Camera to odom at mid-exposure of the last tracked frame; continuous across references and maps, never rewritten.
   /// Before there is a map, and between maps, it turns with the camera and stays where it is.
-  const SE3& T_odom_camera() const;
-  /// While lost: camera to odom if it goes on moving as it last did, which nothing measures. Null while not lost.
-  std::optional<SE3> predicted_T_odom_camera(std::int64_t mid_exposure_ns) const;
+  const SE3& T_odom_camera() const { return frames_.T_odom_camera(); }
+  /// While lost: camera to odom if it goes on moving as it last did, which nothing measures. nullopt while not lost.
+  std::optional<SE3> predicted_T_odom_camera(std::int64_t mid_exposure_ns) const {
+    return frames_.predicted_T_odom_camera(mid_exposure_ns);
+  }
   /// odom to map by the newest reference: T_map_ref T_odom_ref^-1.
-  SE3 T_map_odom() const;
-  ReferenceConstPtr reference() const;
+  SE3 T_map_odom() const { return frames_.T_map_odom(); }
+  const ReferenceConstPtr& reference() const { return frames_.reference(); }
 
  private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
+  TrackedFrameConstPtr blind(const FrameConstPtr& frame, const std::string& problem);
+  bool isSharperImage(const Reference& reference) const;
+  bool leave(const Reference& closed);
+  bool beginMap(const ReferenceConstPtr& reference);
+  void changeKeyframe(const ReferenceConstPtr& reference, bool may_go_back);
+  TrackedFrameConstPtr wait(const FrameConstPtr& frame, bool has_time);
+  void trackOrientation(TrackedFrame& result);
+  TrackedFrameConstPtr trackAhead(const FrameConstPtr& frame);
+  void leaveRevisions();
+  std::shared_ptr<TrackedFrame> track(const WaitingFrame& next);
+  void change(PhaseEvent event) { phase_ = nextPhase(phase_, event); }
+
+  TrackingPhase phase_ = TrackingPhase::kNoMap;
+  FrameTracking frames_;
+  OrientationTracking orientation_;  // while there is no map
+  KeyframeScheduler scheduler_;
+  ImageCheck image_check_;
+  double longest_wait_;  // [s]
+  WaitingFrames waiting_;
+  RecentFrames recent_;      // before those that wait
+  TrackingState newest_;     // while revising: by first results
+  double worst_need_ = 0.0;  // of the frames being revised, when they were tracked before
+  std::string no_map_reason_;
+  std::optional<SE3> T_odom_first_;  // of the first frame without a map
 };
 
 }  // namespace mba_vo

@@ -19,6 +19,7 @@ struct InputImage {
   std::optional<double> exposure;  // [s]; nullopt = unknown; not checked yet
   bool exposure_from_topic = false;
   sensor_msgs::ImageConstPtr depth;  // null = none
+  double arrival = 0.0;              // [s]
 };
 
 struct ImageAssemblerOptions {
@@ -51,19 +52,15 @@ class ImageAssembler {
   std::vector<InputImage> takeReady(double now);
 
  private:
-  struct Waiting {
-    InputImage input;
-    double arrival;  // [s]
-  };
-  bool ready(const Waiting& waiting, double now) const;
-  bool lacksExposure(const Waiting& waiting, double waited) const;
-  bool lacksDepth(const Waiting& waiting, double waited, double now) const;
+  bool ready(const InputImage& input, double now) const;
+  bool lacksExposure(const InputImage& input, double waited) const;
+  bool lacksDepth(const InputImage& input, double waited, double now) const;
 
   ImageAssemblerOptions options_;
   ExposureLookup exposures_;
   DepthLookup depths_;
   std::optional<double> last_depth_;  // when it came [s]
-  std::deque<Waiting> waiting_;
+  std::deque<InputImage> waiting_;
   bool exposures_expected_ = false;
   bool calibrated_ = false;
   std::uint64_t next_sequence_;

@@ -8,16 +8,15 @@
 #include <ros/serialization.h>
 #include <boost/shared_ptr.hpp>
 
-#include "mba_vo/tracking/tracked_frame.h"
+#include "mba_vo/odometry/pipeline_messages.h"
 
 namespace mba_vo {
 
 /// What the tracker nodelet hands to the mapper nodelet. Within the process the message itself is shared; outside it
-/// degrades to its summary (`tracked` is null), which is to be reported and not used.
+/// degrades to its summary (`message.tracked` is null), which is to be reported and not used.
 struct TrackedFrameMessage {
   TrackedFrameSummary summary;
-  TrackedFrameConstPtr tracked;
-  SE3 T_base_camera;
+  TrackerMessage message;
 };
 using TrackedFrameMessageConstPtr = boost::shared_ptr<const TrackedFrameMessage>;
 
@@ -28,8 +27,8 @@ struct ReferenceMessage {
 };
 using ReferenceMessageConstPtr = boost::shared_ptr<const ReferenceMessage>;
 
-/// `session`, `keep_map` and `number` are left to the caller.
-TrackedFrameSummary summarize(const TrackedFrame& tracked, const std::string& camera_frame, bool has_reference);
+/// `number` is left to the caller.
+TrackedFrameSummary summarize(const TrackerMessage& message);
 /// `header.stamp`, `session` and `status` are left to the caller.
 ReferenceSummary summarize(const Reference& reference, const std::string& map_frame);
 

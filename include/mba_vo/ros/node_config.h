@@ -39,6 +39,7 @@ struct NodeConfig {
   double mapper_queue_mb = 512.0;
   double path_period = 0.5;
   double points_period = 1.0;
+  bool record = true;
   std::string output_directory = "mba_vo_output";
   OdometryConfig odometry;
 
@@ -67,7 +68,8 @@ struct NodeConfig {
     v("mapper_queue_mb", c.mapper_queue_mb, 0.1, 65536.0, "bound of the tracked frames waiting for the mapper [MB]");
     v("path_period", c.path_period, 0.0, 3600.0, "shortest time between two messages on path [s]");
     v("points_period", c.points_period, 0.0, 3600.0, "shortest time between two messages on points [s]");
-    v("output_directory", c.output_directory, "where save_trajectory writes; relative to the node's working directory");
+    v("record", c.record, "write down what is published: online_trajectory.txt, online_odometry.txt, frames.csv");
+    v("output_directory", c.output_directory, "where that and save_trajectory go; relative to the node's working directory");
     OdometryConfig::describe(c.odometry, v);
   }
 

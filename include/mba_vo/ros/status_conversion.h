@@ -4,8 +4,7 @@
 
 #include <mba_vo/Status.h>
 
-#include "mba_vo/ros/image_assembler.h"
-#include "mba_vo/tracking/tracked_frame.h"
+#include "mba_vo/odometry/tracker_pipeline.h"
 
 namespace mba_vo {
 
@@ -23,15 +22,16 @@ inline std::uint8_t toState(TrackingStatus status) {
   }
 }
 
-/// The exposure_source in mba_vo/Status of an image and what became of it.
-inline std::string exposureSource(const InputImage& image, const TrackedFrame& tracked) {
+/// The exposure_source in mba_vo/Status of an image that has its result.
+inline std::string exposureSource(const TrackerStep& step) {
+  const TrackedFrame& tracked = *step.message.tracked;
   if (tracked.exposure_estimate.used) {
-    return image.exposure ? "corrected" : "estimated";
+    return step.exposure ? "corrected" : "estimated";
   }
   if (!tracked.frame->exposure) {
     return "unknown";
   }
-  return image.exposure_from_topic ? "topic" : "parameter";
+  return step.exposure_from_topic ? "topic" : "parameter";
 }
 
 }  // namespace mba_vo

@@ -48,8 +48,21 @@ struct TrackingHint {
   ExposureTrajectory trajectory;  // relative to the reference
 };
 
+/// Why the mapper sends a reference, and what the tracker makes of it.
+enum class ReferenceCause {
+  kMapBegins,     // the first of a map; the hint tells of a frame of the past, those after it are tracked from there
+  kKeyframe,      // a new keyframe, or the newest one after the window has been optimised with it
+  kSharperImage,  // the keyframe in use has a better image
+  kFoundAgain,    // the tracker was lost; the hint tells where the mapper has found one of its frames
+  kSentAgain,     // the tracker has no reference of this map; the hint tells of the last frame that had
+  kMapClosed      // the map has been given up, `closed_because`; nothing can be tracked with this
+};
+
+const char* toString(ReferenceCause cause);
+
 /// Immutable snapshot of the map that the tracker aligns to: mapper -> tracker.
 struct Reference {
+  ReferenceCause cause = ReferenceCause::kKeyframe;
   ReferenceId id;
   std::int64_t mid_exposure_ns = 0;  // of its image [ns]
   SE3 T_map_reference;
@@ -60,11 +73,11 @@ struct Reference {
   CalibrationCorrection correction;    // that new images should be made with
   std::vector<ReferencePoint> points;
   std::map<KeyframeId, SE3> T_map_keyframe;  // the window's poses at the same moment
-  std::optional<TrackingHint> hint;
-  std::optional<double> exposure;  // of its image [s]; nullopt = unknown
-  std::string doubt;               // why poses of this map are not to be relied on; empty if they are
-  std::string withdrawn;     // why the map was given up, and nothing can be tracked with this; empty if it was not
-  bool metric = false;       // the unit of length is the metre; else it is arbitrary
+  std::optional<TrackingHint> hint;          // where the cause says so
+  std::optional<double> exposure;            // of its image [s]; nullopt = unknown
+  std::string doubt;                         // why poses of this map are not to be relied on; empty if they are
+  std::string closed_because;                // with kMapClosed
+  bool metric = false;                       // the unit of length is the metre; else it is arbitrary
   bool at_infinity = false;  // no depths are known and the points' mean nothing: only rotation can be tracked
 };
 

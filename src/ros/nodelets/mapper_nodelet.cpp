@@ -42,7 +42,7 @@ class MapperNodelet final : public nodelet::Nodelet {
   }
 
   void onFrame(const TrackedFrameMessageConstPtr& frame) {
-    if (!frame->tracked) {
+    if (!frame->message.tracked) {
       const std::string reason = "a message on " + frame_subscriber_.getTopic() +
                                  " came from another process and carries no image: load tracker and mapper into one "
                                  "manager";

@@ -65,6 +65,14 @@ void MapperStatusReporter::keyframesDeblurred(const DeblurCounts& counts) {
   status_.deblur_forgotten = counts.forgotten;
 }
 
+void MapperStatusReporter::failed(const std::string& what) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++status_.frames_unusable;
+  status_.map_id = 0;
+  status_.keyframe_id = 0;
+  status_.message = "the mapper failed: " + what;
+}
+
 void MapperStatusReporter::wasReset(const std::string& reason) {
   const std::lock_guard<std::mutex> lock(mutex_);
   status_.map_id = 0;

@@ -21,6 +21,8 @@ class MapperStatusReporter {
   void frameUnusable(const std::string& reason);
   void frameProcessed(const TrackedFrame& frame, const MapperOutput& output, bool stale);
   void keyframesDeblurred(const DeblurCounts& counts);
+  /// Something was thrown while a frame was worked on.
+  void failed(const std::string& what);
   void wasReset(const std::string& reason);
   void publish(std::size_t queue_bytes);
   MapperStatus snapshot() const;

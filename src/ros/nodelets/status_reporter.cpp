@@ -66,12 +66,22 @@ void StatusReporter::imageTracked(const TrackedFrame& tracked, const std::string
   }
 }
 
-void StatusReporter::referenceAdopted(const Reference& reference, const MapperStatus& mapper) {
+void StatusReporter::imageFailed(const std::string& what) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++status_.frames_failed;
+  publishLocked("the tracker failed: " + what);
+}
+
+void StatusReporter::mapperSaid(const MapperStatus& mapper) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status_.mapper = mapper;
+}
+
+void StatusReporter::referenceAdopted(const Reference& reference) {
   const std::lock_guard<std::mutex> lock(mutex_);
   status_.map_id = reference.id.map_id;
   status_.keyframe_id = reference.id.keyframe_id;
   status_.metric_scale = reference.metric;
-  status_.mapper = mapper;
 }
 
 void StatusReporter::referenceStale() {
@@ -79,7 +89,7 @@ void StatusReporter::referenceStale() {
   ++status_.references_stale;
 }
 
-void StatusReporter::wasReset() {
+void StatusReporter::wasReset(const std::string& reason) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++status_.resets;
   status_.state = Status::WAITING;
@@ -87,7 +97,7 @@ void StatusReporter::wasReset() {
   status_.keyframe_id = 0;
   status_.metric_scale = false;
   status_.tf_predicted = false;
-  status_.reason = "reset";
+  status_.reason = reason;
   publishLocked(status_.reason);
 }
 

@@ -18,14 +18,17 @@ class StatusReporter {
   explicit StatusReporter(ros::NodeHandle& nh);
 
   void imageReceived(std::uint64_t missing_before);
-  /// Every image that was received ends in exactly one of these three.
+  /// Every image that was received ends in exactly one of these four.
   void imageShed(std::int64_t stamp_ns);
   void imageRejected(std::int64_t stamp_ns, const std::string& reason);
+  /// Something was thrown while it was worked on.
+  void imageFailed(const std::string& what);
   void imageTracked(const TrackedFrame& tracked, const std::string& exposure_source, bool tf_predicted);
 
-  void referenceAdopted(const Reference& reference, const MapperStatus& mapper);
+  void mapperSaid(const MapperStatus& mapper);
+  void referenceAdopted(const Reference& reference);
   void referenceStale();
-  void wasReset();
+  void wasReset(const std::string& reason);
   /// Publishes the present state; `waiting_for`: what is missing at the input, empty = nothing.
   void publish(const std::string& waiting_for, std::size_t queue_bytes);
 

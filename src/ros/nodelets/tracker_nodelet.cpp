@@ -6,6 +6,7 @@
 #include <std_srvs/Empty.h>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "calibration_store.h"
 #include "tracker_worker.h"
 
 namespace mba_vo {
@@ -47,7 +48,7 @@ class TrackerNodelet final : public nodelet::Nodelet {
     assembler_ = std::make_unique<ImageAssembler>(options);
     status_ = std::make_unique<StatusReporter>(nh);
     calibration_ = std::make_unique<CalibrationStore>(nh.resolveName("camera_info"), config.rectified);
-    worker_ = std::make_unique<TrackerWorker>(nh, config, *calibration_, *status_);
+    worker_ = std::make_unique<TrackerWorker>(nh, config, *status_);
     connect(nh, config);
   }
 
@@ -88,7 +89,9 @@ class TrackerNodelet final : public nodelet::Nodelet {
   }
 
   void onCameraInfo(const sensor_msgs::CameraInfoConstPtr& info) {
+    const std::shared_ptr<const CameraCalibration> before = calibration_->get();
     if (calibration_->set(*info)) {
+      if (calibration_->get() != before) worker_->setCalibration(*calibration_->get());
       assembler_->setCalibrated();
     } else {
       NODELET_ERROR_STREAM_THROTTLE(kWarnPeriod, calibration_->problem());

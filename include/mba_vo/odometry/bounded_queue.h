@@ -1,6 +1,5 @@
 #pragma once
 
-#include <condition_variable>
 #include <cstddef>
 #include <deque>
 #include <functional>
@@ -11,8 +10,8 @@
 
 namespace mba_vo {
 
-/// Queue between a callback and a worker thread, bounded in bytes. What is shed when it is full is chosen by the owner
-/// and handed back, so that it can be counted.
+/// Queue between those who bring something and the one who works on it, bounded in bytes. What is shed when it is full
+/// is chosen by the owner and handed back, so that it can be counted. Thread-safe.
 template <typename Item>
 class BoundedQueue {
  public:
@@ -22,48 +21,31 @@ class BoundedQueue {
   BoundedQueue(std::size_t max_bytes, Size size, ChooseVictim choose_victim)
       : max_bytes_(max_bytes), size_(std::move(size)), choose_victim_(std::move(choose_victim)) {}
 
-  /// Never blocks on the worker. Returns what had to be shed; the newest of all is always kept.
+  /// Never waits for the worker. Returns what had to be shed; the newest of all is always kept.
   std::vector<Item> push(Item item) {
     std::vector<Item> shed;
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      bytes_ += size_(item);
-      items_.push_back(std::move(item));
-      while (bytes_ > max_bytes_) {
-        const std::size_t index = choose_victim_(items_);
-        if (index + 1 >= items_.size()) {
-          break;
-        }
-        const auto victim = items_.begin() + static_cast<std::ptrdiff_t>(index);
-        bytes_ -= size_(*victim);
-        shed.push_back(std::move(*victim));
-        items_.erase(victim);
-      }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    bytes_ += size_(item);
+    items_.push_back(std::move(item));
+    while (bytes_ > max_bytes_) {
+      const std::size_t index = choose_victim_(items_);
+      if (index + 1 >= items_.size()) break;
+      const auto victim = items_.begin() + static_cast<std::ptrdiff_t>(index);
+      bytes_ -= size_(*victim);
+      shed.push_back(std::move(*victim));
+      items_.erase(victim);
     }
-    changed_.notify_one();
     return shed;
   }
 
-  /// Waits for the oldest item; nullopt once stopped.
+  /// The oldest item; nullopt if there is none.
   std::optional<Item> pop() {
-    std::unique_lock<std::mutex> lock(mutex_);
-    changed_.wait(lock, [this] { return stopped_ || !items_.empty(); });
-    if (stopped_) {
-      return std::nullopt;
-    }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (items_.empty()) return std::nullopt;
     Item item = std::move(items_.front());
     items_.pop_front();
     bytes_ -= size_(item);
     return item;
-  }
-
-  /// Ends every pop(), now and later.
-  void stop() {
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      stopped_ = true;
-    }
-    changed_.notify_all();
   }
 
   bool empty() const { return size() == 0; }
@@ -83,10 +65,8 @@ class BoundedQueue {
   const Size size_;
   const ChooseVictim choose_victim_;
   mutable std::mutex mutex_;
-  std::condition_variable changed_;
   std::deque<Item> items_;
   std::size_t bytes_ = 0;
-  bool stopped_ = false;
 };
 
 }  // namespace mba_vo

@@ -1,4 +1,4 @@
-#include "mba_vo/odometry/usual_error.h"
+#include "mba_vo/odometry/residual_gate.h"
 
 #include <algorithm>
 #include <vector>
@@ -13,12 +13,12 @@ constexpr double kHarmless = 0.5;        // [px]
 
 }  // namespace
 
-void UsualError::add(double pixel_error) {
+void ResidualGate::add(double pixel_error) {
   errors_.push_back(pixel_error);
   if (errors_.size() > kMostImages) errors_.pop_front();
 }
 
-bool UsualError::isExceededBy(double pixel_error) const {
+bool ResidualGate::isExceededBy(double pixel_error) const {
   if (errors_.size() < kLeastImages || pixel_error < kHarmless) return false;
   std::vector<double> sorted(errors_.begin(), errors_.end());
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);

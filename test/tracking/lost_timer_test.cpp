@@ -1,4 +1,4 @@
-#include "mba_vo/tracking/lost_clock.h"
+#include "mba_vo/tracking/lost_timer.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@ namespace {
 
 constexpr std::int64_t kTenth = 100000000;  // of a second [ns]
 
-TEST(LostClock, CountsOnlyTheTimeOfImagesThatShowSomething) {
-  LostClock clock;
+TEST(LostTimer, CountsOnlyTheTimeOfImagesThatShowSomething) {
+  LostTimer clock;
   EXPECT_FALSE(clock.lost());
   clock.lose(0, false);
   EXPECT_TRUE(clock.lost());

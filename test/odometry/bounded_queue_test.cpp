@@ -1,6 +1,4 @@
-#include "mba_vo/ros/bounded_queue.h"
-
-#include <thread>
+#include "mba_vo/odometry/bounded_queue.h"
 
 #include <gtest/gtest.h>
 
@@ -45,13 +43,13 @@ TEST(BoundedQueue, NeverExceedsItsBoundUnlessOneItemDoes) {
   EXPECT_EQ(queue.pop(), 50);
 }
 
-TEST(BoundedQueue, StopEndsAWaitingThread) {
+TEST(BoundedQueue, AnEmptyOneHasNothing) {
   auto queue = tenByteQueue();
-  std::optional<int> popped = 0;
-  std::thread waiter([&] { popped = queue.pop(); });
-  queue.stop();
-  waiter.join();
-  EXPECT_FALSE(popped.has_value());
+  EXPECT_EQ(queue.pop(), std::nullopt);
+  queue.push(1);
+  queue.pop();
+  EXPECT_EQ(queue.pop(), std::nullopt);
+  EXPECT_TRUE(queue.empty());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "mba_vo/odometry/keyframe_demand.h"
+#include "mba_vo/odometry/keyframe_scheduler.h"
 
 namespace mba_vo {
 namespace {
@@ -14,31 +14,31 @@ double secondsBetween(std::int64_t from_ns, std::int64_t to_ns) { return 1e-9 * 
 
 }  // namespace
 
-void KeyframeDemand::judge(const Reference& reference, bool mapped, TrackedFrame& tracked) {
+void KeyframeScheduler::judge(const Reference& reference, bool mapped, TrackedFrame& tracked) {
   need_ = policy_.need(reference, tracked.measures, tracked.brightness);
   tracked.keyframe_requested = policy_.takes(reference, tracked.measures, tracked.brightness);
   if (!mapped && (tracked.keyframe_requested || frames_since_request_ > 0)) ++frames_since_request_;
   tracked.provisional = isProvisional(*tracked.frame);
 }
 
-bool KeyframeDemand::holds(const WaitingFrames& waiting) {
+bool KeyframeScheduler::holds(const WaitingFrames& waiting) {
   if (waiting.front().in_time || frames_since_request_ < kFramesUntilKeyframe || need_ < kHoldingNeed) return false;
   const std::int64_t newest_ns = waiting.back().frame->mid_exposure_ns;
   if (!hold_since_ns_) hold_since_ns_ = newest_ns;
   return secondsBetween(*hold_since_ns_, newest_ns) < kLongestHold;
 }
 
-void KeyframeDemand::meet() {
+void KeyframeScheduler::meet() {
   frames_since_request_ = 0;
   hold_since_ns_.reset();
   provisional_since_ns_.reset();
 }
 
-bool KeyframeDemand::isWorthRevision() const { return need_ >= kRevisionNeed; }
+bool KeyframeScheduler::isWorthRevision() const { return need_ >= kRevisionNeed; }
 
-bool KeyframeDemand::isBad(double need) { return need >= kProvisionalNeed; }
+bool KeyframeScheduler::isBad(double need) { return need >= kProvisionalNeed; }
 
-bool KeyframeDemand::isProvisional(const Frame& frame) {
+bool KeyframeScheduler::isProvisional(const Frame& frame) {
   if (!provisional_since_ns_ && isBad(need_) && frames_since_request_ > kFramesUntilKeyframe) {
     provisional_since_ns_ = frame.mid_exposure_ns;
   }

@@ -7,7 +7,7 @@ namespace mba_vo {
 
 /// Knows how well images have lately fitted the map, and tells those that fit much worse: what an image shows there is
 /// not what the map says, though it may still look good enough by itself.
-class UsualError {
+class ResidualGate {
  public:
   /// `pixel_error`: as TrackedFrame::pixel_error.
   void add(double pixel_error);

@@ -6,7 +6,7 @@
 namespace mba_vo {
 
 /// For how long frames have been lost that could have been found. Tracker and mapper both keep one, and agree.
-class LostClock {
+class LostTimer {
  public:
   /// `blind`: the image shows nothing, so that its time does not count.
   void lose(std::int64_t mid_exposure_ns, bool blind) {

@@ -12,11 +12,11 @@ namespace mba_vo {
 
 /// How badly a new keyframe is needed, by the newest frame that was tracked (1 = the next sharp one would do), and what
 /// that means for the frames until it comes.
-class KeyframeDemand {
+class KeyframeScheduler {
  public:
   static constexpr double kLost = std::numeric_limits<double>::infinity();  // need of a frame that was not tracked
 
-  explicit KeyframeDemand(const KeyframePolicy& policy) : policy_(policy) {}
+  explicit KeyframeScheduler(const KeyframePolicy& policy) : policy_(policy) {}
 
   /// Decides whether the tracked frame asks for a keyframe, and whether it is provisional: once the view of the
   /// reference is being left and the mapper has been asked, frames are, until the keyframe is there; if that takes too

@@ -1,18 +1,18 @@
-#include "mba_vo/odometry/usual_error.h"
+#include "mba_vo/odometry/residual_gate.h"
 
 #include <gtest/gtest.h>
 
 namespace mba_vo {
 namespace {
 
-TEST(UsualError, TellsWhatIsFarFromTheMedianAndLarge) {
-  UsualError usual;
+TEST(ResidualGate, TellsWhatIsFarFromTheMedianAndLarge) {
+  ResidualGate usual;
   for (int i = 0; i < 19; ++i) usual.add(0.25 + 0.002 * i);
   EXPECT_FALSE(usual.isExceededBy(2.0));  // too few
   for (int i = 0; i < 11; ++i) usual.add(0.25 + 0.002 * i);
   EXPECT_TRUE(usual.isExceededBy(0.9));
   EXPECT_FALSE(usual.isExceededBy(0.7));
-  UsualError small;
+  ResidualGate small;
   for (int i = 0; i < 30; ++i) small.add(0.05);
   EXPECT_FALSE(small.isExceededBy(0.45));  // eight times as much, but harmless
   EXPECT_TRUE(small.isExceededBy(0.55));
@@ -20,8 +20,8 @@ TEST(UsualError, TellsWhatIsFarFromTheMedianAndLarge) {
   EXPECT_FALSE(small.isExceededBy(0.55));
 }
 
-TEST(UsualError, WhatLastsBecomesUsual) {
-  UsualError usual;
+TEST(ResidualGate, WhatLastsBecomesUsual) {
+  ResidualGate usual;
   for (int i = 0; i < 60; ++i) usual.add(0.1);
   int told = 0;
   for (int i = 0; i < 60; ++i) {

@@ -1,22 +1,18 @@
-#include "thread_priority.h"
+#include "mba_vo/odometry/background_threads.h"
 
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
-
-#include <ros/console.h>
 
 namespace mba_vo {
 namespace {
 
 constexpr int kNiceness = 5;  // about a third of the share of a thread of ordinary priority, if both want the core
 
-/// Of the calling thread alone: on Linux a niceness belongs to a thread.
+/// Of the calling thread alone: on Linux a niceness belongs to a thread. It may always be raised.
 void lowerPriority() {
   const auto thread = static_cast<id_t>(syscall(SYS_gettid));
-  if (getpriority(PRIO_PROCESS, thread) < kNiceness && setpriority(PRIO_PROCESS, thread, kNiceness) != 0) {
-    ROS_WARN_ONCE("the mapper's threads keep their priority: they may hold up the tracker");
-  }
+  if (getpriority(PRIO_PROCESS, thread) < kNiceness) setpriority(PRIO_PROCESS, thread, kNiceness);
 }
 
 }  // namespace

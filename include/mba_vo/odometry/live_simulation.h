@@ -1,0 +1,55 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "mba_vo/odometry/machine.h"
+#include "mba_vo/odometry/odometry.h"
+
+namespace mba_vo {
+
+/// A live run in simulated time: images arrive at their stamps, every step of the two halves takes the time that it
+/// takes on the machine described, and what comes too late comes too late. The tracker has a core when it needs one;
+/// the mapper, whose loops are parallel, works with what is left. The same images always go the same way.
+class LiveSimulation : public OdometryRun {
+ public:
+  LiveSimulation(const OdometryConfig& config, const Machine& machine, const PhotometricCalibration& photometric = {});
+
+  void setCalibration(const CameraCalibration& calibration) override { tracker_.setCalibration(calibration); }
+  /// What has been done until the image arrives; its own result comes with a later call.
+  OdometryResult process(const CameraImage& image) override;
+  OdometryResult finish() override;
+  const Mapper& mapper() const override { return mapper_.mapper(); }
+
+ private:
+  struct TrackerWork {
+    TrackerStep step;
+    double left = 0.0;  // [s] of one core
+  };
+  struct MapperWork {
+    MapperStep step;
+    std::vector<MapperMessage> drafts;
+    double left_until_draft = 0.0;  // [s] of one core; only if there is a draft
+    double left = 0.0;              // [s] of one core
+  };
+
+  void runUntil(double time, OdometryResult& result);
+  void startWork();
+  double trackerRate() const;
+  double mapperRate() const;
+  double timeOfNextEvent(double latest) const;
+  void work(double seconds);
+  void endWork(OdometryResult& result);
+  void endTracking(OdometryResult& result);
+
+  TrackerPipeline tracker_;
+  std::vector<MapperMessage> drafts_;  // of the step that the mapper is computing
+  MapperPipeline mapper_;
+  Machine machine_;
+  double now_ = 0.0;  // on the images' clock [s]
+  bool at_end_ = false;
+  std::optional<TrackerWork> tracking_;
+  std::optional<MapperWork> mapping_;
+};
+
+}  // namespace mba_vo

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <future>
+#include <memory>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "mba_vo/mapping/mapper.h"
+#include "mba_vo/odometry/bounded_queue.h"
+#include "mba_vo/odometry/pipeline_messages.h"
+
+namespace mba_vo {
+
+/// What one step of the mapper half did.
+struct MapperStep {
+  enum class Kind {
+    kFrame,     // a tracked frame has been taken in
+    kDeferred,  // a piece of what can wait has been done
+    kPassed     // nothing that anybody has to know
+  };
+  Kind kind = Kind::kPassed;
+  TrackerMessage cause;  // the frame that was taken in
+  MapperOutput output;
+  MapperMessage reference;  // with `output.reference`, for the tracker half; null if there is none
+  bool was_reset = false;   // the tracker had begun anew: the map was forgotten first
+  bool stale = false;       // the frame was tracked in a map that is no more
+};
+
+/// The mapper half of the pipeline: tracked frames go in at any time, from any thread; step(), which one thread calls,
+/// takes in the next one, or does what has been put off while none waits.
+class MapperPipeline {
+ public:
+  using DraftCallback = std::function<void(const MapperMessage&)>;
+
+  /// `on_draft`: see Mapper; it is called from within step(). `max_queue_bytes`: of frames that wait for the mapper.
+  MapperPipeline(const MapperConfig& config, std::size_t max_queue_bytes, DraftCallback on_draft = {});
+
+  /// Thread-safe. Returns the frames that had to be shed, because too many wait.
+  std::vector<TrackerMessage> addFrame(const TrackerMessage& message);
+  /// Thread-safe. The trajectory after all frames added so far; the map goes on as if nobody had asked.
+  std::future<std::vector<TrajectoryEntry>> requestTrajectory();
+  std::size_t queueBytes() const { return queue_.bytes(); }
+
+  // The rest is for the one thread.
+
+  /// nullopt if there is nothing to do until something comes in.
+  std::optional<MapperStep> step();
+  /// After something has gone wrong: forgets the map. Returns what tells the tracker so, null if there was none.
+  MapperMessage recover(const std::string& reason);
+  void reset();
+
+  const Mapper& mapper() const { return mapper_; }
+
+ private:
+  using TrajectoryRequest = std::shared_ptr<std::promise<std::vector<TrajectoryEntry>>>;
+  using Job = std::variant<TrackerMessage, TrajectoryRequest>;
+
+  static std::size_t bytesOf(const Job& job);
+  static std::size_t mostDispensable(const std::deque<Job>& jobs);
+  MapperStep take(const TrackerMessage& message);
+  bool followSession(const TrackerMessage& message);
+
+  BoundedQueue<Job> queue_;
+
+  // Of the one thread from here on.
+  std::uint64_t session_ = 0;  // of the newest frame; 0 = none yet
+  MapId map_id_ = 0;           // of the newest reference
+  DraftCallback on_draft_;
+  Mapper mapper_;
+};
+
+}  // namespace mba_vo

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace mba_vo {
+
+/// A thread that works for one half of the pipeline: it calls `step` as long as there is something to do and sleeps
+/// until it is woken. Whatever is thrown there ends the step, never the process: it is reported and work goes on.
+class PipelineThread {
+ public:
+  enum class Priority { kOrdinary, kBackground };  // background: it works in the time that others leave
+  struct Work {
+    std::function<bool()> step;  // false: nothing to do until woken
+    std::function<void(const std::string& what)>
+        onException;  // called on the thread; does what makes the next step possible
+  };
+
+  explicit PipelineThread(Work work, Priority priority = Priority::kOrdinary);
+  /// Ends after the step that is being done.
+  ~PipelineThread();
+  PipelineThread(const PipelineThread&) = delete;
+  PipelineThread& operator=(const PipelineThread&) = delete;
+
+  /// There is something to do. May be called from any thread.
+  void wake();
+
+ private:
+  void run();
+  void work();
+  bool waitUntilWoken();
+
+  const Work work_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool woken_ = false;
+  bool stopped_ = false;
+  std::thread thread_;
+};
+
+}  // namespace mba_vo

@@ -1,0 +1,45 @@
+#include "mba_vo/io/online_record.h"
+
+#include <filesystem>
+#include <stdexcept>
+
+#include "mba_vo/io/frames_csv.h"
+
+namespace mba_vo {
+namespace {
+
+std::ofstream open(const std::filesystem::path& file) {
+  std::ofstream stream(file);
+  if (!stream) throw std::runtime_error(file.string() + ": cannot be written");
+  return stream;
+}
+
+}  // namespace
+
+OnlineRecord::OnlineRecord(const std::string& folder) : folder_(folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::runtime_error(folder + ": cannot be made: " + error.message());
+  const std::filesystem::path path(folder);
+  trajectory_file_ = open(path / "online_trajectory.txt");
+  odometry_file_ = open(path / "online_odometry.txt");
+  frames_file_ = open(path / "frames.csv");
+  trajectory_ = std::make_unique<PoseLines>(trajectory_file_, kOnlineTrajectory);
+  odometry_ = std::make_unique<PoseLines>(odometry_file_, kOnlineOdometry);
+  writeFramesHeader(frames_file_);
+}
+
+void OnlineRecord::add(const PublishedImage& image) {
+  const FrameRecord record = recordOf(image);
+  writeFrame(record, frames_file_);
+  if (record.online) {
+    trajectory_->write(record.mid_exposure_ns, record.online->map, record.online->T_map_camera);
+    odometry_->write(record.mid_exposure_ns, record.online->map, record.online->T_odom_camera);
+  }
+  // A run that is killed leaves what it has published.
+  if (!frames_file_.flush() || !trajectory_file_.flush() || !odometry_file_.flush()) {
+    throw std::runtime_error(folder_ + ": what is published can no longer be written down: is the disk full?");
+  }
+}
+
+}  // namespace mba_vo

@@ -1,0 +1,26 @@
+#include "mba_vo/odometry/catch_up_pace.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mba_vo {
+namespace {
+
+constexpr double kLongestCatchUp = 1.0;  // [s] after which no frame shall wait: half of what users were promised
+
+}  // namespace
+
+std::size_t CatchUpPace::framesToLeaveOut(std::size_t waiting, std::int64_t newest_ns) {
+  if (!begin_ns_) {
+    begin_ns_ = newest_ns;
+    tracked_ = 0;
+  }
+  const double elapsed = 1e-9 * static_cast<double>(newest_ns - *begin_ns_);  // [s]
+  const std::size_t tracked = tracked_++;
+  if (tracked == 0 || !(elapsed > 0.0)) return 0;
+  const double can_be_tracked = static_cast<double>(tracked) / elapsed * std::max(0.0, kLongestCatchUp - elapsed);
+  const double stride = std::ceil(static_cast<double>(waiting) / std::max(1.0, can_be_tracked));
+  return static_cast<std::size_t>(stride) - 1;
+}
+
+}  // namespace mba_vo

@@ -1,0 +1,99 @@
+#include "mba_vo/odometry/frame_tracking.h"
+
+namespace mba_vo {
+namespace {
+
+double secondsBetween(const TrackingState& last, const Frame& frame) {
+  return 1e-9 * static_cast<double>(frame.mid_exposure_ns - last.lastNs());
+}
+
+}  // namespace
+
+FrameTracking::FrameTracking(const TrackerConfig& config)
+    : config_(config), tracker_(config), exposures_(config), judge_(config) {}
+
+void FrameTracking::begin(const ReferenceConstPtr& reference, const SE3& T_odom_hint) {
+  reference_ = reference;
+  state_ = TrackingState(*reference);
+  T_odom_reference_ = T_odom_hint * state_.T_reference_last().inverse();
+  judge_.reset();
+  exposures_.forgetFrames();
+  lost_.find();
+}
+
+SE3 FrameTracking::changeReference(const ReferenceConstPtr& reference) {
+  const SE3 T_new_old = T_newReference_oldReference(*reference);
+  state_.changeReference(T_new_old);
+  exposures_.changeReference(T_new_old);
+  T_odom_reference_ = T_odom_reference_ * T_new_old.inverse();
+  reference_ = reference;
+  lost_.find();
+  return T_new_old;
+}
+
+SE3 FrameTracking::recover(const ReferenceConstPtr& reference) {
+  const SE3 T_new_old = changeReference(reference);
+  state_ = TrackingState(*reference);
+  T_odom_reference_ = T_odom_camera_ * state_.T_reference_last().inverse();
+  return T_new_old;
+}
+
+void FrameTracking::leave() {
+  reference_.reset();
+  lost_.find();
+}
+
+void FrameTracking::reset() {
+  leave();
+  judge_.reset();
+  exposures_.reset();
+  T_odom_camera_ = SE3();
+  T_odom_reference_ = SE3();
+}
+
+std::shared_ptr<TrackedFrame> FrameTracking::track(const FrameConstPtr& given) {
+  const FrameConstPtr frame = withExposure(given, exposures_.exposureFor(given->exposure));
+  const TrackingGuess guess = state_.guessFor(*frame, config_.unknown_exposure);
+  auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
+  tracked->exposure_estimate = exposures_.estimate(given->exposure.has_value());
+  exposures_.add(reference_, tracked, given->exposure);
+  judge_.judge(*tracked, lost_.lost(), secondsBetween(state_, *frame));
+  if (!tracked->tracked()) {
+    lost_.lose(frame->mid_exposure_ns, false);
+    return tracked;
+  }
+  lost_.find();
+  state_.update(*tracked);
+  T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
+  return tracked;
+}
+
+std::shared_ptr<TrackedFrame> FrameTracking::trackAhead(const FrameConstPtr& given, TrackingState& newest) {
+  const FrameConstPtr frame = withExposure(given, exposures_.exposureFor(given->exposure));
+  const TrackingGuess guess = newest.guessFor(*frame, config_.unknown_exposure);
+  auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
+  judge_.judge(*tracked, false, secondsBetween(newest, *frame));
+  if (!tracked->tracked()) return nullptr;
+  tracked->exposure_estimate = exposures_.estimate(given->exposure.has_value());
+  tracked->provisional = true;
+  newest.update(*tracked);
+  T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
+  return tracked;
+}
+
+std::optional<SE3> FrameTracking::predicted_T_odom_camera(std::int64_t mid_exposure_ns) const {
+  if (!reference_ || !lost_.lost()) return std::nullopt;
+  return T_odom_reference_ * state_.constantVelocityAt(mid_exposure_ns);
+}
+
+SE3 FrameTracking::T_map_odom() const {
+  return reference_ ? reference_->T_map_reference * T_odom_reference_.inverse() : SE3();
+}
+
+SE3 FrameTracking::T_newReference_oldReference(const Reference& next) const {
+  const auto found = next.T_map_keyframe.find(reference_->id.keyframe_id);
+  const SE3 T_map_old = found != next.T_map_keyframe.end() ? found->second : reference_->T_map_reference;
+  return next.T_map_reference.inverse() * T_map_old;
+}
+
+}  // namespace mba_vo

@@ -1,0 +1,129 @@
+#include "mba_vo/odometry/live_simulation.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace mba_vo {
+namespace {
+
+constexpr std::size_t kImageQueueBytes = 64000000;    // as the nodes have by default (image_queue_mb)
+constexpr std::size_t kMapperQueueBytes = 512000000;  // mapper_queue_mb
+constexpr double kDone = 1e-9;                        // [s] less work than that is none
+
+}  // namespace
+
+LiveSimulation::LiveSimulation(const OdometryConfig& config, const Machine& machine,
+                               const PhotometricCalibration& photometric)
+    : tracker_({config, photometric, kImageQueueBytes, false}),
+      mapper_(config.mapper, kMapperQueueBytes, [this](const MapperMessage& draft) { drafts_.push_back(draft); }),
+      machine_(machine) {}
+
+OdometryResult LiveSimulation::process(const CameraImage& image) {
+  OdometryResult result;
+  const double arrival = 1e-9 * static_cast<double>(image.mid_exposure_ns);
+  runUntil(arrival, result);
+  now_ = arrival;  // of the first image, or after a clock that began anew, time jumps
+  for (const CameraImage& shed : tracker_.addImage(image, arrival)) {
+    TrackerStep step;
+    step.kind = TrackerStep::Kind::kShed;
+    step.sequence = shed.sequence;
+    step.stamp_ns = shed.stamp_ns;
+    step.mid_exposure_ns = shed.mid_exposure_ns;
+    step.reason = "shed: the tracker does not keep up with the camera";
+    result.images.push_back({step, now_});
+  }
+  return result;
+}
+
+OdometryResult LiveSimulation::finish() {
+  OdometryResult result;
+  runUntil(std::numeric_limits<double>::infinity(), result);
+  at_end_ = true;
+  runUntil(std::numeric_limits<double>::infinity(), result);
+  return result;
+}
+
+void LiveSimulation::runUntil(double time, OdometryResult& result) {
+  while (now_ < time) {
+    startWork();
+    if (!tracking_ && !mapping_) return;
+    const double next = timeOfNextEvent(time);
+    work(next - now_);
+    now_ = next;
+    endWork(result);
+  }
+}
+
+void LiveSimulation::startWork() {
+  if (!tracking_) {
+    if (auto step = at_end_ ? tracker_.finishStep() : tracker_.step()) {
+      const double seconds = machine_.secondsFor(*step);
+      tracking_ = TrackerWork{std::move(*step), seconds};
+    }
+  }
+  if (!mapping_) {
+    drafts_.clear();
+    if (auto step = mapper_.step()) {
+      const Machine::MapperSeconds seconds = machine_.secondsFor(*step);
+      mapping_ = MapperWork{std::move(*step), std::exchange(drafts_, {}), seconds.draft, seconds.total};
+    }
+  }
+}
+
+double LiveSimulation::trackerRate() const { return tracking_ ? std::min(1.0, machine_.cores) : 0.0; }
+
+double LiveSimulation::mapperRate() const {
+  constexpr double kLeast = 0.02;  // the scheduler of the system starves nobody altogether
+  return std::max(kLeast, machine_.cores - trackerRate());
+}
+
+double LiveSimulation::timeOfNextEvent(double latest) const {
+  double next = latest;
+  if (tracking_) next = std::min(next, now_ + tracking_->left / trackerRate());
+  if (mapping_) {
+    const double left = mapping_->drafts.empty() ? mapping_->left : mapping_->left_until_draft;
+    next = std::min(next, now_ + left / mapperRate());
+  }
+  return next;
+}
+
+void LiveSimulation::work(double seconds) {
+  if (mapping_) {
+    mapping_->left -= seconds * mapperRate();
+    mapping_->left_until_draft -= seconds * mapperRate();
+  }
+  if (tracking_) tracking_->left -= seconds * trackerRate();
+}
+
+void LiveSimulation::endWork(OdometryResult& result) {
+  if (mapping_ && !mapping_->drafts.empty() && mapping_->left_until_draft < kDone) {
+    for (const MapperMessage& draft : std::exchange(mapping_->drafts, {})) tracker_.addReference(draft);
+  }
+  if (mapping_ && mapping_->drafts.empty() && mapping_->left < kDone) {
+    const MapperWork done = *std::exchange(mapping_, std::nullopt);
+    if (done.step.kind == MapperStep::Kind::kFrame) result.mapping.push_back(done.step.output);
+    if (done.step.reference.reference) tracker_.addReference(done.step.reference);
+  }
+  if (tracking_ && tracking_->left < kDone) endTracking(result);
+}
+
+void LiveSimulation::endTracking(OdometryResult& result) {
+  const TrackerStep step = std::exchange(tracking_, std::nullopt)->step;
+  if (step.message.tracked) mapper_.addFrame(step.message);
+  switch (step.kind) {
+    case TrackerStep::Kind::kImage:
+    case TrackerStep::Kind::kRejected:
+    case TrackerStep::Kind::kShed:
+      result.images.push_back({step, now_});
+      break;
+    case TrackerStep::Kind::kLate:
+      result.late.push_back(step.message.tracked);
+      break;
+    case TrackerStep::Kind::kReset:
+    case TrackerStep::Kind::kPassed:
+      break;
+  }
+}
+
+}  // namespace mba_vo

@@ -1,0 +1,58 @@
+#include "mba_vo/odometry/machine.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr double kSecondsPerMillisecond = 1e-3;
+
+}  // namespace
+
+double Machine::secondsFor(const TrackerStep& step) const {
+  double ms = step.kind == TrackerStep::Kind::kImage ? image : 0.0;
+  const TrackedFrameConstPtr& tracked = step.message.tracked;
+  if (tracked) {
+    const bool aligned = tracked->tracked() || (tracked->status == TrackingStatus::kLost && !tracked->blind);
+    if (aligned) ms += track + track_per_px * tracked->measures.blur_length_px;
+    if (tracked->orientation_only) ms += orientation;
+  }
+  return kSecondsPerMillisecond * ms;
+}
+
+Machine::MapperSeconds Machine::secondsFor(const MapperStep& step) const {
+  MapperSeconds seconds;
+  if (step.kind == MapperStep::Kind::kDeferred) {
+    seconds.total = kSecondsPerMillisecond * deferred;
+    return seconds;
+  }
+  if (step.kind != MapperStep::Kind::kFrame) return seconds;
+  const TrackedFrame& tracked = *step.cause.tracked;
+  double ms = 0.0;
+  if (step.output.reference && step.output.reference->cause == ReferenceCause::kMapBegins) {
+    ms += first_map;
+  } else if (tracked.status == TrackingStatus::kInitializing) {
+    ms += look_for_map;
+  } else if (tracked.status == TrackingStatus::kLost && !tracked.blind) {
+    ms += relocalize;
+  } else if (tracked.tracked() && !tracked.provisional) {
+    ms += depth_search;
+  }
+  if (step.output.keyframe) {
+    ms += draft;
+    seconds.draft = kSecondsPerMillisecond * ms;
+    ms += keyframe + keyframe_per_1000 * 1e-3 * step.output.keyframe->residuals;
+  }
+  seconds.total = kSecondsPerMillisecond * ms;
+  return seconds;
+}
+
+Machine Machine::slowedBy(double factor) const {
+  Machine slower = *this;
+  for (double* time : {&slower.image, &slower.track, &slower.track_per_px, &slower.orientation, &slower.look_for_map,
+                       &slower.first_map, &slower.depth_search, &slower.draft, &slower.keyframe,
+                       &slower.keyframe_per_1000, &slower.relocalize, &slower.deferred}) {
+    *time *= factor;
+  }
+  return slower;
+}
+
+}  // namespace mba_vo

@@ -1,0 +1,231 @@
+#include "mba_vo/odometry/tracker_pipeline.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace mba_vo {
+namespace {
+
+constexpr std::size_t kBacklog = 8;  // so many images wait: the tracker is behind, and does not go back as well
+
+}  // namespace
+
+TrackerPipeline::TrackerPipeline(const TrackerPipelineConfig& config, std::uint64_t first_session)
+    : queue_(config.max_queue_bytes, bytesOf, mostDispensable),
+      intake_(config.odometry.image, config.photometric, config.odometry.mapper.start_correction,
+              config.correct_in_background),
+      loop_(config.odometry),
+      session_(first_session) {}
+
+std::vector<CameraImage> TrackerPipeline::addImage(const CameraImage& image, double arrival) {
+  std::vector<CameraImage> shed;
+  for (const Job& job : queue_.push(QueuedImage{image, arrival})) {
+    shed.push_back(std::get<CameraImage>(std::get<QueuedImage>(job).image));
+  }
+  return shed;
+}
+
+void TrackerPipeline::addFrame(const FrameConstPtr& frame) { queue_.push(QueuedImage{frame}); }
+
+void TrackerPipeline::addReference(const MapperMessage& reference) {
+  const std::lock_guard<std::mutex> lock(references_mutex_);
+  references_.push_back(reference);
+}
+
+void TrackerPipeline::setCalibration(const CameraCalibration& calibration) { queue_.push(calibration); }
+
+void TrackerPipeline::requestReset() { queue_.push(ResetRequest()); }
+
+std::optional<TrackerStep> TrackerPipeline::step() {
+  adoptReferences();
+  switch (turn()) {
+    case Turn::kQueue:
+      return takeJob();
+    case Turn::kWaitingFrame:
+      if (const auto late = trackWaiting(true)) return late;
+      if (!queue_.empty()) return takeJob();
+      return std::nullopt;
+    case Turn::kNothing:
+      return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+std::optional<TrackerStep> TrackerPipeline::finishStep() {
+  adoptReferences();
+  return trackWaiting(false);
+}
+
+std::vector<ReferenceConstPtr> TrackerPipeline::takeAdopted() { return std::exchange(adopted_, {}); }
+
+std::size_t TrackerPipeline::takeStale() { return std::exchange(stale_, 0); }
+
+bool TrackerPipeline::takeCorrected() { return std::exchange(corrected_, false); }
+
+/// What is done next, where both images and frames of before wait.
+TrackerPipeline::Turn TrackerPipeline::turn() const {
+  const Turn queue = queue_.empty() ? Turn::kNothing : Turn::kQueue;
+  switch (loop_.phase()) {
+    case TrackingPhase::kNoMap:
+    case TrackingPhase::kTracking:
+    case TrackingPhase::kLost:
+      return queue;
+    // New images need not wait for frames that have a pose already.
+    case TrackingPhase::kRevising:
+      return queue == Turn::kQueue ? queue : Turn::kWaitingFrame;
+    // Where the camera is now is known only when they have been tracked.
+    case TrackingPhase::kGoingBack:
+      return Turn::kWaitingFrame;
+    // A new image can only be told to wait, which is soon done: by turns.
+    case TrackingPhase::kCatchingUp:
+      return queue == Turn::kQueue && late_since_image_ ? queue : Turn::kWaitingFrame;
+  }
+  return queue;
+}
+
+void TrackerPipeline::adoptReferences() {
+  std::vector<MapperMessage> references;
+  {
+    const std::lock_guard<std::mutex> lock(references_mutex_);
+    references.swap(references_);
+  }
+  for (const MapperMessage& message : references) {
+    if (message.session == session_ && loop_.take(message.reference, queue_.size() < kBacklog)) {
+      corrected_ = intake_.correct(message.reference->correction) || corrected_;
+      adopted_.push_back(message.reference);
+    } else {
+      ++stale_;
+    }
+  }
+}
+
+TrackerStep TrackerPipeline::takeJob() {
+  const std::optional<Job> job = queue_.pop();
+  if (const auto* image = std::get_if<QueuedImage>(&*job)) return takeImage(*image);
+  if (const auto* calibration = std::get_if<CameraCalibration>(&*job)) return takeCalibration(*calibration);
+  return reset("reset");
+}
+
+TrackerStep TrackerPipeline::takeImage(const QueuedImage& queued) {
+  late_since_image_ = false;
+  TrackerStep step;
+  step.arrival = queued.arrival;
+  if (const auto* frame = std::get_if<FrameConstPtr>(&queued.image)) {
+    track(*frame, step);
+    return step;
+  }
+  const auto& image = std::get<CameraImage>(queued.image);
+  const ImageIntake::Result taken = intake_.take(image);
+  step.build_ms = taken.build_ms;
+  if (taken.clock_restarted) beginSession();
+  step.began_anew = taken.clock_restarted;
+  step.sequence = image.sequence;
+  step.stamp_ns = image.stamp_ns;
+  step.mid_exposure_ns = image.mid_exposure_ns;
+  step.reason = taken.reason;
+  step.exposure_from_topic = image.exposure_from_topic;
+  camera_frame_ = image.camera_frame;
+  step.contradicts_calibration = taken.contradicts_calibration;
+  if (taken.frame) {
+    track(taken.frame, step);
+  } else {
+    step.kind = TrackerStep::Kind::kRejected;
+    step.phase = loop_.phase();
+  }
+  return step;
+}
+
+void TrackerPipeline::track(const FrameConstPtr& frame, TrackerStep& step) {
+  step.kind = TrackerStep::Kind::kImage;
+  step.sequence = frame->sequence;
+  step.stamp_ns = frame->stamp_ns;
+  step.mid_exposure_ns = frame->mid_exposure_ns;
+  step.exposure = frame->exposure;
+  const TrackedFrameConstPtr tracked = loop_.process(frame, queue_.empty());
+  step.message = messageOf(tracked);
+  step.phase = loop_.phase();
+  step.T_odom_camera = loop_.T_odom_camera();
+  step.T_map_odom = loop_.T_map_odom();
+  if (tracked->status == TrackingStatus::kLost) {
+    step.predicted_T_odom_camera = loop_.predicted_T_odom_camera(frame->mid_exposure_ns);
+  }
+}
+
+TrackerStep TrackerPipeline::takeCalibration(const CameraCalibration& calibration) {
+  const bool another = intake_.isCalibrated();
+  intake_.setCalibration(calibration);
+  return another ? reset("the calibration has changed") : TrackerStep();
+}
+
+std::optional<TrackerStep> TrackerPipeline::trackWaiting(bool may_hold) {
+  if (loop_.phase() == TrackingPhase::kCatchingUp && may_hold) {
+    loop_.leaveOut(pace_.framesToLeaveOut(loop_.waitingFrames(), loop_.newestWaitingNs()));
+  }
+  const TrackedFrameConstPtr tracked = loop_.trackWaiting(may_hold);
+  if (loop_.phase() != TrackingPhase::kCatchingUp) pace_.reset();
+  late_since_image_ = true;
+  if (!tracked) return std::nullopt;
+  TrackerStep step;
+  step.kind = TrackerStep::Kind::kLate;
+  step.sequence = tracked->frame->sequence;
+  step.stamp_ns = tracked->frame->stamp_ns;
+  step.mid_exposure_ns = tracked->frame->mid_exposure_ns;
+  step.message = messageOf(tracked);
+  step.phase = loop_.phase();
+  return step;
+}
+
+TrackerStep TrackerPipeline::reset(const std::string& reason) {
+  intake_.reset();
+  beginSession();
+  TrackerStep step;
+  step.kind = TrackerStep::Kind::kReset;
+  step.began_anew = true;
+  step.reason = reason;
+  return step;
+}
+
+/// Nothing of what went before counts any more, for the mapper neither.
+void TrackerPipeline::beginSession() {
+  ++session_;
+  keep_map_ = false;
+  loop_.reset();
+  pace_.reset();
+}
+
+TrackerMessage TrackerPipeline::messageOf(const TrackedFrameConstPtr& tracked) const {
+  return {session_, keep_map_, loop_.reference() != nullptr, {camera_frame_, SE3()}, tracked};
+}
+
+std::size_t TrackerPipeline::bytesOf(const Job& job) {
+  const auto* queued = std::get_if<QueuedImage>(&job);
+  const auto* image = queued ? std::get_if<CameraImage>(&queued->image) : nullptr;
+  if (!image) return 0;
+  return image->image.total() * image->image.elemSize() + image->depth.total() * sizeof(float);
+}
+
+/// The image whose neighbours are closest in time: images are thinned out evenly, so that the camera moves as little as
+/// possible between those that remain. Neither the oldest nor the newest, if there are others.
+std::size_t TrackerPipeline::mostDispensable(const std::deque<Job>& jobs) {
+  std::vector<std::size_t> images;
+  std::vector<std::int64_t> stamps;  // [ns]
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    const auto* queued = std::get_if<QueuedImage>(&jobs[i]);
+    const auto* image = queued ? std::get_if<CameraImage>(&queued->image) : nullptr;
+    if (!image) continue;
+    images.push_back(i);
+    stamps.push_back(image->stamp_ns);
+  }
+  std::size_t best = images.empty() ? jobs.size() : images.front();
+  std::int64_t closest = std::numeric_limits<std::int64_t>::max();
+  for (std::size_t k = 1; k + 1 < images.size(); ++k) {
+    const std::int64_t distance = stamps[k + 1] - stamps[k - 1];
+    if (distance >= closest) continue;
+    closest = distance;
+    best = images[k];
+  }
+  return best;
+}
+
+}  // namespace mba_vo
