@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "mba_vo/trajectory/kinematic_blur.h"
+#include "mba_vo/trajectory/finite_difference_velocity.h"
 
 namespace mba_vo {
 namespace {
@@ -30,11 +30,11 @@ std::optional<FrameMotion> RecordedMotion::at(std::int64_t mid_exposure_ns) cons
   if (i == 0 || !areNeighbours(i - 1, i) || !areNeighbours(i, i + 1)) return motion;
   const RecordedExposure& before = exposures_[i - 1];
   const RecordedExposure& after = exposures_[i + 1];
-  KinematicBlur kinematic;
+  FiniteDifferenceVelocity motion_around;
   for (const RecordedExposure* e : {&before, &own, &after}) {
-    kinematic.add(e->mid_exposure_ns, e->trajectory.T_reference_mid, e->trajectory.velocity);
+    motion_around.add(e->mid_exposure_ns, e->trajectory.T_reference_mid, e->trajectory.velocity);
   }
-  motion.trajectory.velocity = kinematic.velocityOfMiddle();
+  motion.trajectory.velocity = motion_around.velocityOfMiddle();
   const double interval = 1e-9 * static_cast<double>(after.mid_exposure_ns - before.mid_exposure_ns);
   motion.trajectory.acceleration = (after.trajectory.velocity - before.trajectory.velocity) / interval;
   return motion;

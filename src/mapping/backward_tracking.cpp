@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "mba_vo/mapping/local_map.h"
-#include "mba_vo/trajectory/kinematic_blur.h"
+#include "mba_vo/trajectory/finite_difference_velocity.h"
 
 namespace mba_vo {
 namespace {
@@ -30,7 +30,7 @@ Vector6 referenceVelocity(const InitialMap& initial) {
     if (pose.frame->mid_exposure_ns < origin_ns) before = &pose;
     if (pose.frame->mid_exposure_ns > origin_ns && !after) after = &pose;
   }
-  KinematicBlur motion;
+  FiniteDifferenceVelocity motion;
   if (before) motion.add(before->frame->mid_exposure_ns, before->T_reference_frame, std::nullopt);
   motion.add(origin_ns, SE3(), std::nullopt);
   if (after) motion.add(after->frame->mid_exposure_ns, after->T_reference_frame, std::nullopt);

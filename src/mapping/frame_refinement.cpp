@@ -5,7 +5,7 @@
 
 #include "mba_vo/mapping/local_map.h"
 #include "mba_vo/tracking/frame_measures.h"
-#include "mba_vo/trajectory/place_between.h"
+#include "mba_vo/trajectory/pose_interpolation.h"
 #include "mba_vo/window/motion_alignment.h"
 
 namespace mba_vo {
@@ -30,13 +30,13 @@ double secondsBetween(std::int64_t from_ns, std::int64_t to_ns) { return 1e-9 * 
 
 /// With its velocity by the poses of the keyframes around, if they are near: these have been compared with many others.
 /// That by the frames next to it, and by its blur, cannot tell a turn from a sideways motion where these frames cannot.
-Waypoint waypointByPoses(const LocalMap& map, KeyframeId keyframe) {
-  Waypoint at = map.waypoint(keyframe);
+StampedPose stampedPoseByNeighbours(const LocalMap& map, KeyframeId keyframe) {
+  StampedPose at = map.stampedPose(keyframe);
   const auto before = map.keyframeBefore(keyframe);
   const auto after = map.keyframeAfter(keyframe);
   if (!before || !after) return at;
-  const Waypoint first = map.waypoint(*before);
-  const Waypoint last = map.waypoint(*after);
+  const StampedPose first = map.stampedPose(*before);
+  const StampedPose last = map.stampedPose(*after);
   const double gap = std::max(secondsBetween(first.mid_exposure_ns, at.mid_exposure_ns),
                               secondsBetween(at.mid_exposure_ns, last.mid_exposure_ns));
   if (gap < kLongestGap) at.velocity = velocityByPoses(first, at, last);
@@ -118,10 +118,11 @@ std::optional<FrameRefinement::Between> FrameRefinement::between(const LocalMap&
   if (!lies_between || interval >= kLongestGap) return std::nullopt;
   const KeyframeId first = before.id.keyframe_id;
   const KeyframeId second = after.id.keyframe_id;
-  const Waypoint there = waypointBetween(waypointByPoses(map, first), waypointByPoses(map, second), ns);
+  const StampedPose there =
+      interpolatePose(stampedPoseByNeighbours(map, first), stampedPoseByNeighbours(map, second), ns);
   Between result;
   result.T_reference_mid = job.reference->T_map_reference.inverse() * there.T_map_camera;
-  result.velocity = waypointBetween(map.waypoint(first), map.waypoint(second), ns).velocity;
+  result.velocity = interpolatePose(map.stampedPose(first), map.stampedPose(second), ns).velocity;
   result.sigma.head<3>().setConstant(kLinearError * interval * medianDepth(*job.reference));
   result.sigma.tail<3>().setConstant(kAngularError * interval);
   result.on_fast_turn = interval < kLongestPrediction && std::max(blurOf(before), blurOf(after)) >= kLongBlur;
@@ -157,14 +158,14 @@ void FrameRefinement::changeReference(const ReferenceConstPtr& reference) {
 void FrameRefinement::moveTowards(const Between& between, TrackedFrame& frame) {
   SE3& T_reference_mid = frame.trajectory.T_reference_mid;
   T_reference_mid =
-      weighedMean(T_reference_mid, frame.covariance.topLeftCorner<6, 6>(), between.T_reference_mid, between.sigma);
+      fusedPose(T_reference_mid, frame.covariance.topLeftCorner<6, 6>(), between.T_reference_mid, between.sigma);
 }
 
 std::optional<TrackedFrame> FrameRefinement::doubted(const Between& between, const TrackedFrame& known,
                                                      const LocalMap& map) {
   const auto disagreement = [&](const TrackedFrame& frame) {
-    return squaredDisagreement(frame.trajectory.T_reference_mid, frame.covariance.topLeftCorner<6, 6>(),
-                               between.T_reference_mid, between.sigma);
+    return squaredMahalanobisDistance(frame.trajectory.T_reference_mid, frame.covariance.topLeftCorner<6, 6>(),
+                                      between.T_reference_mid, between.sigma);
   };
   const double doubt = disagreement(known);
   if (doubt < (between.on_fast_turn ? kContradiction : kPlainContradiction)) return std::nullopt;

@@ -257,7 +257,7 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe, const st
   return reference;
 }
 
-Waypoint LocalMap::waypoint(KeyframeId keyframe) const {
+StampedPose LocalMap::stampedPose(KeyframeId keyframe) const {
   return {frame(keyframe)->mid_exposure_ns, window_.T_map_keyframe(keyframe), window_.velocity(keyframe)};
 }
 

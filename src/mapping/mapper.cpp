@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "mba_vo/mapping/deferred_tracking.h"
-#include "mba_vo/mapping/keyframe_choice.h"
+#include "mba_vo/mapping/keyframe_selector.h"
 #include "mba_vo/mapping/recovery.h"
 
 namespace mba_vo {
@@ -21,7 +21,7 @@ class Mapper::Impl {
       : config_(config),
         on_draft_(std::move(on_draft)),
         initializer_(config.initializer, config.depth_sensor),
-        choice_(config.keyframe),
+        selector_(config.keyframe),
         calibration_(config.start_correction),
         health_(config.health),
         recovery_(config),
@@ -75,7 +75,7 @@ class Mapper::Impl {
     recovery_.reset();
     deblurring_.forgetMap();
     initial_frames_.clear();
-    choice_.reset();
+    selector_.reset();
     deferred_.reset();
     last_ = {};
     frames_without_reference_ = 0;
@@ -156,7 +156,7 @@ class Mapper::Impl {
   MapperOutput revise(const TrackedFrameConstPtr& frame) {
     if (!frame->tracked() || frame->reference.map_id != map_->id()) return {};
     store_.addFrame(*frame);
-    choice_.revise(frame);
+    selector_.revise(frame);
     deblurring_.remember(frame);
     deferred_.add(frame);
     return {};
@@ -192,12 +192,12 @@ class Mapper::Impl {
     deferred_.add(frame);
     last_ = {frame->frame->sequence, frame->frame->mid_exposure_ns, frame->trajectory};
     last_keyframe_ = frame->reference.keyframe_id;
-    const TrackedFrameConstPtr chosen = choice_.add(frame, map_->T_map_camera(*frame), *reference_);
+    const TrackedFrameConstPtr chosen = selector_.add(frame, map_->T_map_camera(*frame), *reference_);
     return chosen ? std::optional(insertKeyframe(chosen)) : std::nullopt;
   }
 
   KeyframeReport insertKeyframe(const TrackedFrameConstPtr& chosen) {
-    KeyframeReport report = map_->insertKeyframe(*chosen, choice_.velocity());
+    KeyframeReport report = map_->insertKeyframe(*chosen, selector_.velocity());
     if (on_draft_) on_draft_(snapshot(ReferenceCause::kKeyframe, map_->newestKeyframe(), health_.doubt()));
     map_->refineWindow(report);
     const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kKeyframe, map_->newestKeyframe());
@@ -222,7 +222,7 @@ class Mapper::Impl {
 
   MapperOutput handleLost(const TrackedFrame& frame) {
     MapperOutput output;
-    if (const TrackedFrameConstPtr chosen = choice_.takeNow()) {
+    if (const TrackedFrameConstPtr chosen = selector_.takeNow()) {
       output.keyframe = insertKeyframe(chosen);
       return withKeyframe(std::move(output));
     }
@@ -261,7 +261,7 @@ class Mapper::Impl {
     if (departed) deblur(found.keyframe_frame);
     last_ = found.hint;
     last_keyframe_ = keyframe;
-    choice_.restart(last_.mid_exposure_ns, reference->T_map_reference * last_.trajectory.T_reference_mid);
+    selector_.restart(last_.mid_exposure_ns, reference->T_map_reference * last_.trajectory.T_reference_mid);
     MapperOutput output;
     output.reference = reference_;
     output.message = "found again by keyframe " + std::to_string(found.keyframe);
@@ -292,7 +292,7 @@ class Mapper::Impl {
   MapperConfig config_;
   DraftCallback on_draft_;  // may be empty
   Initializer initializer_;
-  KeyframeChoice choice_;
+  KeyframeSelector selector_;
   TrajectoryStore store_;
   CalibrationEstimator calibration_;
   CalibrationEstimator calibration_before_map_;  // what a wrong map says about it is not believed

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "mba_vo/window/calibration_system.h"
-#include "mba_vo/window/gauge_hold.h"
-#include "mba_vo/window/host_error.h"
-#include "mba_vo/window/keyframe_retirement.h"
+#include "mba_vo/window/gauge_fixing.h"
+#include "mba_vo/window/keyframe_image_error.h"
+#include "mba_vo/window/marginalization_policy.h"
 #include "mba_vo/window/motion_alignment.h"
 #include "mba_vo/window/window_marginalizer.h"
 #include "mba_vo/window/window_optimizer.h"
@@ -21,7 +21,7 @@ namespace {
 // Gauge: the pose of the first keyframe and the scale of the first window cannot be observed, so the strength of the
 // priors that hold them does not change the estimate.
 constexpr double kPoseAnchor = 1e10;        // information of the first pose [1/m^2, 1/rad^2]
-constexpr double kScaleAnchor = 1e10;       // information of the log of the scale
+constexpr double kScalePrior = 1e10;        // information of the log of the scale
 constexpr double kBrightnessAnchor = 1e10;  // information of the first keyframe's a and b
 
 constexpr int kCalibrationStride = 4;  // of the points that tell about the calibration: a quarter is more than enough
@@ -62,7 +62,7 @@ class Window::Impl {
         optimizer_(linearizer_, config.huber_threshold, optimizerOptions(config)),
         marginalizer_(linearizer_, WindowMarginalizerOptions()),
         activation_(residual_options_, WindowPointActivationOptions()),
-        anchor_(kScaleAnchor) {}
+        scale_prior_(kScalePrior) {}
 
   KeyframeState stateOf(const WindowKeyframe& keyframe) const;
   void addKeyframe(const WindowKeyframe& keyframe);
@@ -79,8 +79,8 @@ class Window::Impl {
   WindowOptimizer optimizer_;
   WindowMarginalizer marginalizer_;
   WindowPointActivation activation_;
-  ScaleAnchor anchor_;
-  bool anchor_chosen_ = false;
+  ScalePrior scale_prior_;
+  bool scale_prior_chosen_ = false;
   WindowState state_;
   std::vector<PairGeometry> pairs_;  // of the current state; empty: not made yet
   PointId next_point_ = 0;
@@ -154,15 +154,15 @@ void Window::Impl::addResidual(PointState& point, int target) const {
 }
 
 std::vector<KeyframeId> Window::Impl::keyframesToMarginalize() const {
-  const KeyframeRetirementOptions options{config_.max_keyframes, config_.min_keyframes, config_.max_residuals,
-                                          config_.max_residuals_blurred, config_.long_blur_px};
+  const MarginalizationPolicyOptions options{config_.max_keyframes, config_.min_keyframes, config_.max_residuals,
+                                             config_.max_residuals_blurred, config_.long_blur_px};
   std::vector<KeyframeId> ids;
-  for (const int i : keyframesToRetire(state_, options)) ids.push_back(state_.keyframe(i).id);
+  for (const int i : chooseKeyframesToMarginalize(state_, options)) ids.push_back(state_.keyframe(i).id);
   return ids;
 }
 
 void Window::Impl::marginalizePoints() {
-  anchor_.moveToPrior(state_);
+  scale_prior_.moveToPrior(state_);
   marginalizer_.marginalizeUnseen(state_);
 }
 
@@ -235,14 +235,14 @@ std::optional<KeyframeMotion> Window::align(const WindowKeyframe& frame) const {
 }
 
 WindowSummary Window::optimize(int max_iterations) {
-  if (!impl_->anchor_chosen_ && impl_->state_.size() > 1 && !impl_->state_.hasMeasuredDepths()) {
-    impl_->anchor_.choose(impl_->state_);
-    impl_->anchor_chosen_ = impl_->anchor_.active();
+  if (!impl_->scale_prior_chosen_ && impl_->state_.size() > 1 && !impl_->state_.hasMeasuredDepths()) {
+    impl_->scale_prior_.choose(impl_->state_);
+    impl_->scale_prior_chosen_ = impl_->scale_prior_.active();
   }
   impl_->pairs_.clear();
-  const GaugeHold gauge(impl_->state_);
-  const WindowSummary summary = impl_->optimizer_.optimize(impl_->state_, impl_->anchor_, max_iterations);
-  if (!impl_->anchor_.active()) gauge.restore(impl_->state_);
+  const GaugeFixing gauge(impl_->state_);
+  const WindowSummary summary = impl_->optimizer_.optimize(impl_->state_, impl_->scale_prior_, max_iterations);
+  if (!impl_->scale_prior_.active()) gauge.restore(impl_->state_);
   return summary;
 }
 

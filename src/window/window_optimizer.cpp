@@ -114,15 +114,15 @@ void WindowOptimizer::begin(WindowState& state) {
 }
 
 /// Moves the state by the step of the damped system; false if there is none.
-bool WindowOptimizer::step(WindowState& state, const ScaleAnchor& anchor, const DepthPrior& depth_prior,
+bool WindowOptimizer::step(WindowState& state, const ScalePrior& scale_prior, const NearDepthPenalty& penalty,
                            double lambda) {
   const Eigen::MatrixXd H = system_.H;
   const Eigen::VectorXd b = system_.b;
   const Eigen::VectorXd H_depth = system_.H_depth;
   const Eigen::VectorXd b_depth = system_.b_depth;
   state.prior.addTo(state.deltas(), system_.H, system_.b);
-  anchor.addTo(state, system_.H, system_.b);
-  depth_prior.addTo(state, system_);
+  scale_prior.addTo(state, system_.H, system_.b);
+  penalty.addTo(state, system_);
   const double precision = state.meanPrecision();
   for (std::size_t i = 0; i < state.points.size(); ++i) {
     addMeasuredDepth(state.points[i], precision, static_cast<Eigen::Index>(i), system_);
@@ -159,7 +159,7 @@ void WindowOptimizer::accept(WindowState& state) {
   acceptEnergies(state);
 }
 
-void WindowOptimizer::finish(WindowState& state, const DepthPrior& depth_prior, WindowSummary& summary) const {
+void WindowOptimizer::finish(WindowState& state, const NearDepthPenalty& penalty, WindowSummary& summary) const {
   const double precision = state.meanPrecision();
   double energy = 0.0;
   for (std::size_t i = 0; i < state.points.size(); ++i) {
@@ -184,18 +184,18 @@ void WindowOptimizer::finish(WindowState& state, const DepthPrior& depth_prior, 
   summary.rms = std::sqrt(energy / std::max(1, summary.residuals * kResidualPixels));
   state.points.erase(std::remove_if(state.points.begin(), state.points.end(),
                                     [&](const PointState& p) {
-                                      return state.goodResiduals(p) == 0 || !depth_prior.isPlausible(p.inverse_depth);
+                                      return state.goodResiduals(p) == 0 || !penalty.isPlausible(p.inverse_depth);
                                     }),
                      state.points.end());
 }
 
-WindowSummary WindowOptimizer::optimize(WindowState& state, const ScaleAnchor& anchor, int max_iterations) {
+WindowSummary WindowOptimizer::optimize(WindowState& state, const ScalePrior& scale_prior, int max_iterations) {
   WindowSummary summary;
   if (state.size() < 2) return summary;  // nothing to compare; points wait for a second keyframe
   begin(state);
-  const DepthPrior depth_prior(state);
+  const NearDepthPenalty penalty(state);
   const auto otherCost = [&] {
-    return state.prior.cost(state.deltas()) + anchor.cost(state) + depth_prior.cost(state) + measuredDepthCost(state);
+    return state.prior.cost(state.deltas()) + scale_prior.cost(state) + penalty.cost(state) + measuredDepthCost(state);
   };
   summary.initial_cost = photometricCost(state) + otherCost();
   double lambda = options_.initial_lambda;
@@ -203,7 +203,7 @@ WindowSummary WindowOptimizer::optimize(WindowState& state, const ScaleAnchor& a
     ++summary.iterations;
     const Backup backup(state);
     const double other_cost = otherCost();
-    bool better = step(state, anchor, depth_prior, lambda);
+    bool better = step(state, scale_prior, penalty, lambda);
     double change = 0.0;
     if (better) {
       evaluateAll(state);
@@ -226,7 +226,7 @@ WindowSummary WindowOptimizer::optimize(WindowState& state, const ScaleAnchor& a
     linearizer_.assemble(state, evaluation_, system_);
   }
   summary.final_cost = photometricCost(state) + otherCost();
-  finish(state, depth_prior, summary);
+  finish(state, penalty, summary);
   return summary;
 }
 

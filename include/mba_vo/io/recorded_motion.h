@@ -24,7 +24,7 @@ struct FrameMotion {
 };
 
 /// The motion during the exposures of a finished run: velocities mostly from the poses before and after, as the mapper
-/// has them (KinematicBlur), accelerations from the velocities.
+/// has them (FiniteDifferenceVelocity), accelerations from the velocities.
 class RecordedMotion {
  public:
   /// In order of time.

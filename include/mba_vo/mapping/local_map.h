@@ -10,7 +10,7 @@
 
 #include "mba_vo/mapping/keyframe_report.h"
 #include "mba_vo/mapping/mapper_config.h"
-#include "mba_vo/trajectory/place_between.h"
+#include "mba_vo/trajectory/pose_interpolation.h"
 #include "mba_vo/trajectory/trajectory_store.h"
 #include "mba_vo/window/calibration_estimator.h"
 #include "mba_vo/window/surface_slope.h"
@@ -58,7 +58,7 @@ class LocalMap {
     if (next == keyframes_.end()) return std::nullopt;
     return next->first;
   }
-  Waypoint waypoint(KeyframeId keyframe) const;
+  StampedPose stampedPose(KeyframeId keyframe) const;
 
   /// Refines the depths of all immature points with a tracked frame.
   void searchDepths(const TrackedFrame& tracked);

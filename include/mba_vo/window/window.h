@@ -150,7 +150,7 @@ class Window {
   /// What the residuals say about errors that are left.
   CalibrationSystem calibrationSystem();
 
-  /// Keyframes to marginalise now so that the window has room for a new one, see keyframesToRetire.
+  /// Keyframes to marginalise now so that the window has room for a new one, see chooseKeyframesToMarginalize.
   std::vector<KeyframeId> keyframesToMarginalize() const;
   /// Moves points that neither of the two newest keyframes sees any more into the prior, if they are well enough
   /// observed, else drops them. `marginalize` does this too.

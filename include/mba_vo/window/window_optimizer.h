@@ -1,8 +1,8 @@
 #pragma once
 
 #include "mba_vo/solver/reduced_camera_solver.h"
-#include "mba_vo/window/depth_prior.h"
-#include "mba_vo/window/scale_anchor.h"
+#include "mba_vo/window/near_depth_penalty.h"
+#include "mba_vo/window/scale_prior.h"
 #include "mba_vo/window/window_linearizer.h"
 
 namespace mba_vo {
@@ -22,7 +22,7 @@ class WindowOptimizer {
   WindowOptimizer(const WindowLinearizer& linearizer, double huber_threshold, const WindowOptimizerOptions& options)
       : linearizer_(linearizer), huber_threshold_(huber_threshold), options_(options) {}
 
-  WindowSummary optimize(WindowState& state, const ScaleAnchor& anchor, int max_iterations);
+  WindowSummary optimize(WindowState& state, const ScalePrior& scale_prior, int max_iterations);
 
   /// Sum of the energies at the current state; an outlier counts with its keyframe's threshold.
   static double photometricCost(const WindowState& state);
@@ -33,10 +33,10 @@ class WindowOptimizer {
   void acceptEnergies(WindowState& state) const;
   void updateOutlierThresholds(WindowState& state) const;
   void begin(WindowState& state);
-  bool step(WindowState& state, const ScaleAnchor& anchor, const DepthPrior& depth_prior, double lambda);
+  bool step(WindowState& state, const ScalePrior& scale_prior, const NearDepthPenalty& penalty, double lambda);
   double costChange(const WindowState& state) const;
   void accept(WindowState& state);
-  void finish(WindowState& state, const DepthPrior& depth_prior, WindowSummary& summary) const;
+  void finish(WindowState& state, const NearDepthPenalty& penalty, WindowSummary& summary) const;
 
   WindowLinearizer linearizer_;
   double huber_threshold_;

@@ -8,9 +8,9 @@ namespace mba_vo {
 
 /// Holds the scale of the first window: its cost is w ((|t_a - t_b| - distance) / distance)^2 for two keyframes. Images
 /// cannot tell the scale, so whatever w > 0 the minimum keeps the distance; w matters to the conditioning only.
-class ScaleAnchor {
+class ScalePrior {
  public:
-  explicit ScaleAnchor(double weight) : weight_(weight) {}
+  explicit ScalePrior(double weight) : weight_(weight) {}
 
   bool active() const { return distance_ > 0.0; }
   /// Anchors the distance between the first keyframe and the one farthest from it, if there are two apart.

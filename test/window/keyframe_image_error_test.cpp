@@ -1,4 +1,4 @@
-#include "mba_vo/window/host_error.h"
+#include "mba_vo/window/keyframe_image_error.h"
 
 #include <limits>
 #include <memory>
@@ -53,7 +53,7 @@ struct Views {
   }
 };
 
-TEST(HostError, IsTheShiftOfTheImage) {
+TEST(KeyframeImageError, IsTheShiftOfTheImage) {
   const Views views;
   for (const double px : {0.25, 0.5}) {
     for (const auto& sharp : {views.shifted(px, 0.0), views.shifted(0.0, px)}) {
@@ -65,7 +65,7 @@ TEST(HostError, IsTheShiftOfTheImage) {
   }
 }
 
-TEST(HostError, OfTheSameImageIsTheSame) {
+TEST(KeyframeImageError, OfTheSameImageIsTheSame) {
   const Views views;
   const WindowState state = views.state();
   const auto error = compareHostImages(state, 1, state.keyframe(1).sharp, views.points(10), views.linearizer);
@@ -73,7 +73,7 @@ TEST(HostError, OfTheSameImageIsTheSame) {
   EXPECT_EQ(error->with_sharp_image, error->with_own_image);
 }
 
-TEST(HostError, IsUnknownWithoutPointsOrOtherKeyframes) {
+TEST(KeyframeImageError, IsUnknownWithoutPointsOrOtherKeyframes) {
   const Views views;
   WindowState state = views.state();
   const auto sharp = state.keyframe(0).sharp;

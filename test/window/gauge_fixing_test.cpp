@@ -1,4 +1,4 @@
-#include "mba_vo/window/gauge_hold.h"
+#include "mba_vo/window/gauge_fixing.h"
 
 #include <cmath>
 
@@ -54,11 +54,11 @@ void moveWhole(WindowState& state, const SE3& motion, double scale) {
   for (PointState& point : state.points) point.inverse_depth /= scale;
 }
 
-TEST(GaugeHold, UndoesWhatMovesTheWholeWindow) {
+TEST(GaugeFixing, UndoesWhatMovesTheWholeWindow) {
   test::Random random(1);
   const WindowState before = makeState(random);
   WindowState state = before;
-  const GaugeHold gauge(state);
+  const GaugeFixing gauge(state);
   moveWhole(state, random.pose(0.1, 0.1), kScale);
   gauge.restore(state);
   for (int i = 0; i < kKeyframes; ++i) {
@@ -70,11 +70,11 @@ TEST(GaugeHold, UndoesWhatMovesTheWholeWindow) {
   }
 }
 
-TEST(GaugeHold, TheNewestKeyframeMayMove) {
+TEST(GaugeFixing, TheNewestKeyframeMayMove) {
   test::Random random(2);
   const WindowState before = makeState(random);
   WindowState state = before;
-  const GaugeHold gauge(state);
+  const GaugeFixing gauge(state);
   const SE3 correction = random.pose(0.3, 0.3);
   state.keyframes.back().delta.head<6>() = correction.log();
   gauge.restore(state);
@@ -85,10 +85,10 @@ TEST(GaugeHold, TheNewestKeyframeMayMove) {
   EXPECT_LT(distance(state.keyframes.back().T_map_keyframe(), moved), 1e-9);
 }
 
-TEST(GaugeHold, ChangesNothingThatImagesSee) {
+TEST(GaugeFixing, ChangesNothingThatImagesSee) {
   test::Random random(3);
   WindowState state = makeState(random);
-  const GaugeHold gauge(state);
+  const GaugeFixing gauge(state);
   moveWhole(state, random.pose(0.1, 0.1), kScale);
   for (KeyframeState& keyframe : state.keyframes) keyframe.delta.head<6>() += random.tangent(0.01, 0.01);
   for (PointState& point : state.points) point.inverse_depth *= std::exp(random.normal(0.1));
@@ -109,11 +109,11 @@ TEST(GaugeHold, ChangesNothingThatImagesSee) {
   }
 }
 
-TEST(GaugeHold, MeasuredDepthsKeepTheirScale) {
+TEST(GaugeFixing, MeasuredDepthsKeepTheirScale) {
   test::Random random(4);
   WindowState state = makeState(random);
   state.points.front().measured = {0.5, 1e-4};
-  const GaugeHold gauge(state);
+  const GaugeFixing gauge(state);
   moveWhole(state, SE3(), kScale);
   const WindowState optimised = state;
   gauge.restore(state);
@@ -122,12 +122,12 @@ TEST(GaugeHold, MeasuredDepthsKeepTheirScale) {
   }
 }
 
-TEST(GaugeHold, FirstEstimatesStay) {
+TEST(GaugeFixing, FirstEstimatesStay) {
   test::Random random(5);
   WindowState state = makeState(random);
   state.prior.connect(1);
   const SE3 first = state.keyframe(1).T_linear;
-  const GaugeHold gauge(state);
+  const GaugeFixing gauge(state);
   moveWhole(state, random.pose(0.1, 0.1), kScale);
   for (KeyframeState& keyframe : state.keyframes) keyframe.delta.head<6>() += random.tangent(0.01, 0.01);
   gauge.restore(state);

@@ -1,4 +1,4 @@
-#include "mba_vo/window/host_error.h"
+#include "mba_vo/window/keyframe_image_error.h"
 
 #include <cmath>
 #include <limits>
@@ -58,16 +58,16 @@ std::optional<double> errorOf(WindowState& trial, const WindowLinearizer& linear
 
 }  // namespace
 
-std::optional<HostError> compareHostImages(const WindowState& state, int host,
-                                           const std::shared_ptr<const ImagePyramid>& sharp,
-                                           const std::vector<ReferencePoint>& points,
-                                           const WindowLinearizer& linearizer) {
+std::optional<KeyframeImageError> compareHostImages(const WindowState& state, int host,
+                                                    const std::shared_ptr<const ImagePyramid>& sharp,
+                                                    const std::vector<ReferencePoint>& points,
+                                                    const WindowLinearizer& linearizer) {
   WindowState trial = stateOf(state, host, points);
   const std::optional<double> own = errorOf(trial, linearizer);
   trial.replaceImage(host, sharp);
   const std::optional<double> other = errorOf(trial, linearizer);
   if (!own || !other) return std::nullopt;
-  return HostError{*own, *other};
+  return KeyframeImageError{*own, *other};
 }
 
 }  // namespace mba_vo

@@ -1,4 +1,4 @@
-#include "mba_vo/window/gauge_hold.h"
+#include "mba_vo/window/gauge_fixing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,13 +26,13 @@ void scaleLength(Vector6& motion, double scale) { motion.head<3>() *= scale; }
 
 }  // namespace
 
-GaugeHold::GaugeHold(const WindowState& state) : any_scale_(!state.hasMeasuredDepths()) {
+GaugeFixing::GaugeFixing(const WindowState& state) : any_scale_(!state.hasMeasuredDepths()) {
   for (int i = 0; i + 1 < state.size(); ++i) T_map_keyframe_.push_back(state.keyframe(i).T_map_keyframe());
   for (const PointState& point : state.points) points_.push_back({point.id, point.inverse_depth});
 }
 
 /// By which the window has shrunk.
-double GaugeHold::scaleOf(const WindowState& state) const {
+double GaugeFixing::scaleOf(const WindowState& state) const {
   if (!any_scale_) return 1.0;
   std::vector<std::pair<double, double>> changes;  // of the log of the inverse depth, and how well that is known
   auto before = points_.begin();
@@ -46,7 +46,7 @@ double GaugeHold::scaleOf(const WindowState& state) const {
   return changes.size() < kLeastPoints ? 1.0 : std::exp(weightedMedian(std::move(changes)));
 }
 
-void GaugeHold::restore(WindowState& state) const {
+void GaugeFixing::restore(WindowState& state) const {
   if (T_map_keyframe_.empty()) return;
   const double scale = scaleOf(state);
   const double share = 1.0 / static_cast<double>(T_map_keyframe_.size());

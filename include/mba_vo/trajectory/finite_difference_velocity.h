@@ -17,7 +17,7 @@ std::optional<Vector6> measuredVelocity(const TrackedFrame& frame);
 /// blurred reference tells only by how much more the one is blurred than the other: a reference's error goes over to
 /// the motion measured in the next frame, and from there to the next reference. The poses at mid-exposure, which hardly
 /// depend on the blur, hold that back.
-class KinematicBlur {
+class FiniteDifferenceVelocity {
  public:
   /// Adds the next frame: its mid pose and the velocity [m/s, rad/s, body frame] measured by its blur, if any.
   /// Must be increasing in time; one that is not is ignored.

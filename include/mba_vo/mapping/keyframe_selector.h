@@ -5,15 +5,15 @@
 #include "mba_vo/tracking/keyframe_policy.h"
 #include "mba_vo/tracking/reference.h"
 #include "mba_vo/tracking/tracked_frame.h"
-#include "mba_vo/trajectory/kinematic_blur.h"
+#include "mba_vo/trajectory/finite_difference_velocity.h"
 
 namespace mba_vo {
 
 /// Chooses the frames that become keyframes. One becomes a keyframe once the frame after it has been tracked: the
 /// motion on both sides then tells how much the keyframe itself is blurred, without looking at its blur.
-class KeyframeChoice {
+class KeyframeSelector {
  public:
-  explicit KeyframeChoice(const KeyframePolicyConfig& config) : policy_(config) {}
+  explicit KeyframeSelector(const KeyframePolicyConfig& config) : policy_(config) {}
 
   /// The next frame. `newest`: the newest keyframe; the tracker may still be using an older one. Returns the frame
   /// before it if that is to become a keyframe, else null.
@@ -31,7 +31,7 @@ class KeyframeChoice {
 
  private:
   KeyframePolicy policy_;
-  KinematicBlur motion_;
+  FiniteDifferenceVelocity motion_;
   Vector6 velocity_ = Vector6::Zero();
   TrackedFrameConstPtr candidate_;  // becomes a keyframe with the next frame
 };

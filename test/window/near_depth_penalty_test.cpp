@@ -1,4 +1,4 @@
-#include "mba_vo/window/depth_prior.h"
+#include "mba_vo/window/near_depth_penalty.h"
 
 #include <gtest/gtest.h>
 
@@ -21,19 +21,19 @@ LinearizedWindow nothing(Eigen::Index points) {
   return system;
 }
 
-TEST(DepthPrior, IsForMuchNearerPointsAloneAndDoesNotKnowTheUnitOfLength) {
-  const DepthPrior prior(withInverseDepths({0.1, 0.5, 3.0}));
+TEST(NearDepthPenalty, IsForMuchNearerPointsAloneAndDoesNotKnowTheUnitOfLength) {
+  const NearDepthPenalty prior(withInverseDepths({0.1, 0.5, 3.0}));
   EXPECT_EQ(prior.cost(withInverseDepths({0.001, 0.5, 1.9})), 0.0);
   EXPECT_GT(prior.cost(withInverseDepths({2.1})), 0.0);
   const WindowState state = withInverseDepths({0.3, 0.5, 0.7, 2.0, 5.0});
   WindowState scaled = state;
   for (PointState& point : scaled.points) point.inverse_depth *= 40.0;
-  EXPECT_NEAR(DepthPrior(state).cost(state), DepthPrior(scaled).cost(scaled), 1e-9);
+  EXPECT_NEAR(NearDepthPenalty(state).cost(state), NearDepthPenalty(scaled).cost(scaled), 1e-9);
 }
 
-TEST(DepthPrior, GradientAndHessianAgreeWithDifferencesOfTheCost) {
+TEST(NearDepthPenalty, GradientAndHessianAgreeWithDifferencesOfTheCost) {
   const WindowState state = withInverseDepths({0.3, 0.5, 0.7, 2.0, 5.0});
-  const DepthPrior prior(state);
+  const NearDepthPenalty prior(state);
   LinearizedWindow system = nothing(5);
   prior.addTo(state, system);
   constexpr double kStep = 1e-4;
@@ -50,17 +50,17 @@ TEST(DepthPrior, GradientAndHessianAgreeWithDifferencesOfTheCost) {
   }
 }
 
-TEST(DepthPrior, APointInFrontOfTheLensIsNotPlausible) {
-  const DepthPrior prior(withInverseDepths({0.3, 0.5, 0.7, 2.0, 5.0}));
+TEST(NearDepthPenalty, APointInFrontOfTheLensIsNotPlausible) {
+  const NearDepthPenalty prior(withInverseDepths({0.3, 0.5, 0.7, 2.0, 5.0}));
   EXPECT_TRUE(prior.isPlausible(0.001));
   EXPECT_TRUE(prior.isPlausible(5.0));
   EXPECT_FALSE(prior.isPlausible(50.0));
 }
 
-TEST(DepthPrior, AWindowWithoutPointsHasNoCost) {
+TEST(NearDepthPenalty, AWindowWithoutPointsHasNoCost) {
   const WindowState empty = withInverseDepths({});
   LinearizedWindow system = nothing(0);
-  const DepthPrior prior(empty);
+  const NearDepthPenalty prior(empty);
   prior.addTo(empty, system);
   EXPECT_EQ(prior.cost(empty), 0.0);
 }

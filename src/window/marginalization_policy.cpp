@@ -1,4 +1,4 @@
-#include "mba_vo/window/keyframe_retirement.h"
+#include "mba_vo/window/marginalization_policy.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,7 +44,7 @@ Eigen::MatrixXi countResiduals(const WindowState& state) {
   return counts;
 }
 
-int maxResiduals(const WindowState& state, const KeyframeRetirementOptions& options) {
+int maxResiduals(const WindowState& state, const MarginalizationPolicyOptions& options) {
   const auto begin = state.keyframes.end() - std::min(kRecent, state.size());
   const bool turned = std::any_of(begin, state.keyframes.end(), [&](const KeyframeState& keyframe) {
     return keyframe.blur_length_px >= options.long_blur_px;
@@ -54,10 +54,10 @@ int maxResiduals(const WindowState& state, const KeyframeRetirementOptions& opti
 
 }  // namespace
 
-std::vector<int> keyframesToRetire(const WindowState& state, const KeyframeRetirementOptions& options) {
+std::vector<int> chooseKeyframesToMarginalize(const WindowState& state, const MarginalizationPolicyOptions& options) {
   const Eigen::MatrixXi residuals = countResiduals(state);
   const int max_residuals = maxResiduals(state, options);
-  std::vector<int> remaining, retired;
+  std::vector<int> remaining, marginalized;
   for (int i = 0; i < state.size(); ++i) remaining.push_back(i);
   const auto areTooMany = [&] {
     const auto count = static_cast<int>(remaining.size());
@@ -66,10 +66,10 @@ std::vector<int> keyframesToRetire(const WindowState& state, const KeyframeRetir
   };
   while (remaining.size() > 2 && areTooMany()) {
     const std::size_t crowding = mostCrowding(state, remaining);
-    retired.push_back(remaining[crowding]);
+    marginalized.push_back(remaining[crowding]);
     remaining.erase(remaining.begin() + static_cast<std::ptrdiff_t>(crowding));
   }
-  return retired;
+  return marginalized;
 }
 
 }  // namespace mba_vo

@@ -1,4 +1,4 @@
-#include "mba_vo/window/scale_anchor.h"
+#include "mba_vo/window/scale_prior.h"
 
 namespace mba_vo {
 namespace {
@@ -7,7 +7,7 @@ constexpr double kMinDistance = 1e-9;  // [m]
 
 }  // namespace
 
-void ScaleAnchor::choose(const WindowState& state) {
+void ScalePrior::choose(const WindowState& state) {
   for (int i = 1; i < state.size(); ++i) {
     const Eigen::Vector3d between =
         state.keyframe(i).T_map_keyframe().translation() - state.keyframe(0).T_map_keyframe().translation();
@@ -18,7 +18,7 @@ void ScaleAnchor::choose(const WindowState& state) {
   }
 }
 
-double ScaleAnchor::cost(const WindowState& state) const {
+double ScalePrior::cost(const WindowState& state) const {
   if (!active()) return 0.0;
   const SE3 T_first = state.keyframe(state.indexOf(first_)).T_map_keyframe();
   const SE3 T_second = state.keyframe(state.indexOf(second_)).T_map_keyframe();
@@ -26,7 +26,7 @@ double ScaleAnchor::cost(const WindowState& state) const {
   return weight_ * r * r;
 }
 
-void ScaleAnchor::addTo(const WindowState& state, Eigen::MatrixXd& H, Eigen::VectorXd& b) const {
+void ScalePrior::addTo(const WindowState& state, Eigen::MatrixXd& H, Eigen::VectorXd& b) const {
   if (!active()) return;
   const int i = state.indexOf(first_);
   const int j = state.indexOf(second_);
@@ -44,7 +44,7 @@ void ScaleAnchor::addTo(const WindowState& state, Eigen::MatrixXd& H, Eigen::Vec
   b += weight_ * r * J;
 }
 
-void ScaleAnchor::moveToPrior(WindowState& state) {
+void ScalePrior::moveToPrior(WindowState& state) {
   if (!active()) return;
   const Eigen::Index n = kKeyframeDim * state.size();
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n);

@@ -1,4 +1,4 @@
-#include "mba_vo/trajectory/kinematic_blur.h"
+#include "mba_vo/trajectory/finite_difference_velocity.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -17,13 +17,14 @@ std::optional<Vector6> measuredVelocity(const TrackedFrame& frame) {
   return frame.trajectory.velocity;
 }
 
-void KinematicBlur::add(std::int64_t mid_exposure_ns, const SE3& T_map_camera, const std::optional<Vector6>& velocity) {
+void FiniteDifferenceVelocity::add(std::int64_t mid_exposure_ns, const SE3& T_map_camera,
+                                   const std::optional<Vector6>& velocity) {
   if (!poses_.empty() && mid_exposure_ns <= poses_.back().ns) return;
   poses_.push_back({mid_exposure_ns, T_map_camera, velocity});
   if (poses_.size() > kPoses) poses_.pop_front();
 }
 
-Vector6 KinematicBlur::velocityOfMiddle() const {
+Vector6 FiniteDifferenceVelocity::velocityOfMiddle() const {
   Vector6 velocities = Vector6::Zero();
   int count = 0;
   for (std::size_t i = 1; i < poses_.size(); ++i) {
@@ -46,7 +47,7 @@ Vector6 KinematicBlur::velocityOfMiddle() const {
   return velocity;
 }
 
-Vector6 KinematicBlur::velocityOfLast() const {
+Vector6 FiniteDifferenceVelocity::velocityOfLast() const {
   if (poses_.empty()) return Vector6::Zero();
   const Pose& last = poses_.back();
   if (last.velocity) return *last.velocity;

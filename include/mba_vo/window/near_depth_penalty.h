@@ -9,10 +9,10 @@ namespace mba_vo {
 /// whose inverse depth d is above l = 4 c, c the median of all. On a fast turn there is hardly any parallax; without a
 /// prior the inverse depth of some points grows without bounds, these then hold the translation at zero, and the scale
 /// collapses. Most points never meet it, and a near one with parallax hardly feels it.
-class DepthPrior {
+class NearDepthPenalty {
  public:
   /// With the median of the points' present inverse depths, which stays.
-  explicit DepthPrior(const WindowState& state);
+  explicit NearDepthPenalty(const WindowState& state);
 
   double cost(const WindowState& state) const;
   /// Adds Hessian and half the gradient of the inverse depths.

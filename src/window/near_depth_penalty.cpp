@@ -1,4 +1,4 @@
-#include "mba_vo/window/depth_prior.h"
+#include "mba_vo/window/near_depth_penalty.h"
 
 #include <algorithm>
 #include <vector>
@@ -12,7 +12,7 @@ constexpr double kNearest = 20.0;  // times nearer than the median no point can 
 
 }  // namespace
 
-DepthPrior::DepthPrior(const WindowState& state) {
+NearDepthPenalty::NearDepthPenalty(const WindowState& state) {
   std::vector<double> inverse_depths;
   inverse_depths.reserve(state.points.size());
   for (const PointState& point : state.points) inverse_depths.push_back(point.inverse_depth);
@@ -22,17 +22,17 @@ DepthPrior::DepthPrior(const WindowState& state) {
   median_ = *middle;
 }
 
-double DepthPrior::excess(const PointState& point) const {
+double NearDepthPenalty::excess(const PointState& point) const {
   return std::max(0.0, point.inverse_depth - kFree * median_);
 }
 
-double DepthPrior::cost(const WindowState& state) const {
+double NearDepthPenalty::cost(const WindowState& state) const {
   double sum = 0.0;
   for (const PointState& point : state.points) sum += excess(point) * excess(point);
   return kWeight / (median_ * median_) * sum;
 }
 
-void DepthPrior::addTo(const WindowState& state, LinearizedWindow& system) const {
+void NearDepthPenalty::addTo(const WindowState& state, LinearizedWindow& system) const {
   const double information = kWeight / (median_ * median_);
   for (std::size_t i = 0; i < state.points.size(); ++i) {
     const double beyond = excess(state.points[i]);
@@ -42,6 +42,6 @@ void DepthPrior::addTo(const WindowState& state, LinearizedWindow& system) const
   }
 }
 
-bool DepthPrior::isPlausible(double inverse_depth) const { return inverse_depth < kNearest * median_; }
+bool NearDepthPenalty::isPlausible(double inverse_depth) const { return inverse_depth < kNearest * median_; }
 
 }  // namespace mba_vo

@@ -6,7 +6,7 @@
 
 namespace mba_vo {
 
-struct KeyframeRetirementOptions {
+struct MarginalizationPolicyOptions {
   int max_keyframes = 30;             // at most one less remain
   int min_keyframes = 7;              // down to one less, keyframes leave for their residuals
   int max_residuals = 5000;           // good ones among those that remain
@@ -18,6 +18,6 @@ struct KeyframeRetirementOptions {
 /// 3.1). The two newest always stay. Where points are few, as on fast turns, the window has more keyframes for the same
 /// work; and those of which the newest sees nothing may stay, unlike DSO's: the camera often turns back. A keyframe
 /// with a long blur says little of where it is: what a turn begins with must be in the window with what it ends with.
-std::vector<int> keyframesToRetire(const WindowState& state, const KeyframeRetirementOptions& options);
+std::vector<int> chooseKeyframesToMarginalize(const WindowState& state, const MarginalizationPolicyOptions& options);
 
 }  // namespace mba_vo

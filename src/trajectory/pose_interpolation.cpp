@@ -1,4 +1,4 @@
-#include "mba_vo/trajectory/place_between.h"
+#include "mba_vo/trajectory/pose_interpolation.h"
 
 #include <Eigen/Cholesky>
 
@@ -14,7 +14,7 @@ Matrix6 covarianceOfDifference(Matrix6 covariance, const Vector6& sigma) {
 
 }  // namespace
 
-Waypoint waypointBetween(const Waypoint& before, const Waypoint& after, std::int64_t mid_exposure_ns) {
+StampedPose interpolatePose(const StampedPose& before, const StampedPose& after, std::int64_t mid_exposure_ns) {
   const double interval = secondsBetween(before.mid_exposure_ns, after.mid_exposure_ns);
   const double since = secondsBetween(before.mid_exposure_ns, mid_exposure_ns);
   const double until = interval - since;
@@ -26,7 +26,7 @@ Waypoint waypointBetween(const Waypoint& before, const Waypoint& after, std::int
   return {mid_exposure_ns, T_map_camera, (1.0 - s) * before.velocity + s * after.velocity};
 }
 
-Vector6 velocityByPoses(const Waypoint& before, const Waypoint& at, const Waypoint& after) {
+Vector6 velocityByPoses(const StampedPose& before, const StampedPose& at, const StampedPose& after) {
   const double since = secondsBetween(before.mid_exposure_ns, at.mid_exposure_ns);
   const double until = secondsBetween(at.mid_exposure_ns, after.mid_exposure_ns);
   const Vector6 until_here = (before.T_map_camera.inverse() * at.T_map_camera).log() / since;
@@ -34,12 +34,12 @@ Vector6 velocityByPoses(const Waypoint& before, const Waypoint& at, const Waypoi
   return (until * until_here + since * from_here) / (since + until);
 }
 
-double squaredDisagreement(const SE3& T, const Matrix6& covariance, const SE3& T_other, const Vector6& sigma) {
+double squaredMahalanobisDistance(const SE3& T, const Matrix6& covariance, const SE3& T_other, const Vector6& sigma) {
   const Vector6 difference = (T.inverse() * T_other).log();
   return difference.dot(covarianceOfDifference(covariance, sigma).ldlt().solve(difference));
 }
 
-SE3 weighedMean(const SE3& T, const Matrix6& covariance, const SE3& T_other, const Vector6& sigma) {
+SE3 fusedPose(const SE3& T, const Matrix6& covariance, const SE3& T_other, const Vector6& sigma) {
   const Vector6 difference = (T.inverse() * T_other).log();
   return T * SE3::exp(covariance * covarianceOfDifference(covariance, sigma).ldlt().solve(difference));
 }

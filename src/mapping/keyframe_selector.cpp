@@ -1,4 +1,4 @@
-#include "mba_vo/mapping/keyframe_choice.h"
+#include "mba_vo/mapping/keyframe_selector.h"
 
 #include <optional>
 #include <utility>
@@ -7,8 +7,8 @@
 
 namespace mba_vo {
 
-TrackedFrameConstPtr KeyframeChoice::add(const TrackedFrameConstPtr& frame, const SE3& T_map_camera,
-                                         const Reference& newest) {
+TrackedFrameConstPtr KeyframeSelector::add(const TrackedFrameConstPtr& frame, const SE3& T_map_camera,
+                                           const Reference& newest) {
   motion_.add(frame->frame->mid_exposure_ns, T_map_camera, measuredVelocity(*frame));
   if (candidate_) {
     velocity_ = motion_.velocityOfMiddle();
@@ -20,21 +20,21 @@ TrackedFrameConstPtr KeyframeChoice::add(const TrackedFrameConstPtr& frame, cons
   return nullptr;
 }
 
-TrackedFrameConstPtr KeyframeChoice::takeNow() {
+TrackedFrameConstPtr KeyframeSelector::takeNow() {
   velocity_ = motion_.velocityOfLast();
   return std::exchange(candidate_, nullptr);
 }
 
-void KeyframeChoice::revise(const TrackedFrameConstPtr& frame) {
+void KeyframeSelector::revise(const TrackedFrameConstPtr& frame) {
   if (candidate_ && candidate_->frame->sequence == frame->frame->sequence) candidate_ = frame;
 }
 
-void KeyframeChoice::restart(std::int64_t mid_exposure_ns, const SE3& T_map_camera) {
+void KeyframeSelector::restart(std::int64_t mid_exposure_ns, const SE3& T_map_camera) {
   reset();
   motion_.add(mid_exposure_ns, T_map_camera, std::nullopt);
 }
 
-void KeyframeChoice::reset() {
+void KeyframeSelector::reset() {
   motion_ = {};
   candidate_.reset();
 }

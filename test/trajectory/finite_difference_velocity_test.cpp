@@ -1,0 +1,113 @@
+#include "mba_vo/trajectory/finite_difference_velocity.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "support/random.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr std::int64_t kInterval = 37'000'000;  // [ns]
+constexpr double kExposure = 0.02;              // [s]
+
+double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+
+TEST(FiniteDifferenceVelocity, IsExactForConstantVelocityAndUnevenIntervals) {
+  test::Random random(1);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Vector6 v = random.tangent(1.0, 3.0);
+    const SE3 start = random.pose(1.0, 1.0);
+    FiniteDifferenceVelocity motion;
+    for (const std::int64_t ns : {0L, 20'000'000L, 75'000'000L, 110'000'000L})
+      motion.add(ns, start * SE3::exp(seconds(ns) * v), v);
+    EXPECT_LT((kExposure * motion.velocityOfMiddle() - kExposure * v).norm(), 1e-9);
+    EXPECT_EQ((0.0 * motion.velocityOfMiddle()).norm(), 0.0);
+  }
+}
+
+TEST(FiniteDifferenceVelocity, MeansTheVelocitiesOnBothSidesOfTheLastButOnePose) {
+  const Vector6 before = (Vector6() << 0.4, 0, 0, 0, 2.0, 0).finished();
+  const Vector6 after = (Vector6() << -0.2, 0, 0, 0, 1.0, 0).finished();
+  FiniteDifferenceVelocity motion;
+  motion.add(-kInterval, SE3::exp(-5.0 * before), std::nullopt);  // long forgotten
+  const SE3 middle = SE3::exp(seconds(kInterval) * before);
+  motion.add(0, SE3(), std::nullopt);
+  motion.add(kInterval, middle, std::nullopt);
+  motion.add(2 * kInterval, middle * SE3::exp(seconds(kInterval) * after), std::nullopt);
+  EXPECT_LT((kExposure * motion.velocityOfMiddle() - kExposure * 0.5 * (before + after)).norm(), 1e-9);
+}
+
+TEST(FiniteDifferenceVelocity, LeavesOutASideThatIsTooFarAway) {
+  const Vector6 v = (Vector6() << 0.1, 0.2, 0, 0.5, 0, 0).finished();
+  FiniteDifferenceVelocity motion;
+  motion.add(0, SE3::exp(9.0 * v), std::nullopt);  // a second before, somewhere else
+  motion.add(1'000'000'000, SE3(), std::nullopt);
+  EXPECT_EQ(motion.velocityOfMiddle().norm(), 0.0);
+  motion.add(1'000'000'000 + kInterval, SE3::exp(seconds(kInterval) * v), std::nullopt);
+  EXPECT_LT((kExposure * motion.velocityOfMiddle() - kExposure * v).norm(), 1e-9);
+}
+
+TEST(FiniteDifferenceVelocity, TheLastFrameHasItsOwnVelocityOrThatSinceTheOneBefore) {
+  const Vector6 v = (Vector6() << 0.1, 0.2, 0, 0.5, 0, 0).finished();
+  const Vector6 measured = 1.1 * v;
+  FiniteDifferenceVelocity motion;
+  EXPECT_EQ(motion.velocityOfLast().norm(), 0.0);
+  motion.add(0, SE3(), std::nullopt);
+  EXPECT_EQ(motion.velocityOfLast().norm(), 0.0);
+  motion.add(kInterval, SE3::exp(seconds(kInterval) * v), std::nullopt);
+  EXPECT_LT((motion.velocityOfLast() - v).norm(), 1e-9);
+  motion.add(2 * kInterval, SE3::exp(seconds(2 * kInterval) * v), measured);
+  EXPECT_EQ(motion.velocityOfLast(), measured);
+  motion.add(2'000'000'000, SE3(), std::nullopt);
+  EXPECT_EQ(motion.velocityOfLast().norm(), 0.0) << "too long ago";
+}
+
+TEST(FiniteDifferenceVelocity, IgnoresPosesThatAreNotLater) {
+  const Vector6 v = (Vector6() << 0.1, 0.2, 0, 0.5, 0, 0).finished();
+  FiniteDifferenceVelocity motion;
+  EXPECT_EQ(motion.velocityOfMiddle().norm(), 0.0);
+  motion.add(kInterval, SE3::exp(seconds(kInterval) * v), std::nullopt);
+  EXPECT_EQ(motion.velocityOfMiddle().norm(), 0.0);
+  motion.add(kInterval, SE3::exp(3.0 * v), std::nullopt);
+  motion.add(0, SE3::exp(3.0 * v), std::nullopt);
+  motion.add(2 * kInterval, SE3::exp(seconds(2 * kInterval) * v), std::nullopt);
+  EXPECT_LT((kExposure * motion.velocityOfMiddle() - kExposure * v).norm(), 1e-9);
+}
+
+/// Rotation about one axis, whose rate is a parabola in time.
+struct JerkyTurn {
+  double rate, acceleration, jerk;
+  double velocity(double t) const { return rate + acceleration * t + 0.5 * jerk * t * t; }
+  SE3 pose(double t) const {
+    Vector6 turn = Vector6::Zero();
+    turn(4) = rate * t + acceleration * t * t / 2 + jerk * t * t * t / 6;
+    return SE3::exp(turn);
+  }
+};
+
+double turnOfMiddle(const JerkyTurn& turn, double common_error) {
+  FiniteDifferenceVelocity motion;
+  for (const std::int64_t i : {-1, 0, 1}) {
+    Vector6 velocity = Vector6::Zero();
+    velocity(4) = turn.velocity(seconds(i * kInterval)) + common_error;
+    motion.add(i * kInterval, turn.pose(seconds(i * kInterval)), velocity);
+  }
+  return kExposure * motion.velocityOfMiddle()(4);
+}
+
+TEST(FiniteDifferenceVelocity, MeasuredVelocitiesCorrectForChangesOfAcceleration) {
+  const JerkyTurn turn{1.0, -20.0, 3000.0};
+  EXPECT_NEAR(turnOfMiddle(turn, 0.0), kExposure * 1.0, 1e-9);
+}
+
+TEST(FiniteDifferenceVelocity, ACommonErrorOfTheMeasuredVelocitiesFades) {
+  // A reference's error comes back through the velocities measured against it: it must come back smaller.
+  const JerkyTurn turn{1.0, -20.0, 3000.0};
+  const double error = turnOfMiddle(turn, 0.5) - turnOfMiddle(turn, 0.0);
+  EXPECT_LT(std::abs(error), 0.5 * kExposure * 0.5);
+}
+
+}  // namespace
+}  // namespace mba_vo
