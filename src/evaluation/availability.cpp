@@ -96,7 +96,7 @@ Availability measureAvailability(const std::vector<OnlineFrame>& frames, std::op
   const auto any = [](const OnlineFrame&) { return true; };
   constexpr double kTimeToBegin = 0.3;  // that a map may take [s]
   const auto moving = [&](const OnlineFrame& frame) {
-    return parallax_time && frame.time > *parallax_time + kTimeToBegin;
+    return parallax_time && frame.time > *parallax_time + kTimeToBegin + kRounding;
   };
   availability.pose_in_time = share(frames, any, pose_in_time);
   availability.pose_in_time_moving = share(frames, moving, pose_in_time);

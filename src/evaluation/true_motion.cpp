@@ -37,7 +37,7 @@ std::optional<SE3> truePoseAt(const std::vector<PoseRecord>& groundtruth, double
     return after->T_world_camera;
   }
   constexpr double kLongestGap = 0.1;  // hand-held motion is no longer known beyond, to some millimetres [s]
-  if (after == groundtruth.begin() || after->time - std::prev(after)->time > kLongestGap) {
+  if (after == groundtruth.begin() || after->time - std::prev(after)->time > kLongestGap + kStampTolerance) {
     return std::nullopt;
   }
   const auto before = std::prev(after);
