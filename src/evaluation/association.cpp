@@ -61,6 +61,9 @@ std::vector<PoseRecord> posesOfLargestMap(const std::vector<PoseRecord>& poses) 
   const auto largest =
       std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   std::vector<PoseRecord> selected;
+  if (counts.empty()) {
+    return selected;
+  }
   std::copy_if(poses.begin(), poses.end(), std::back_inserter(selected),
                [&](const PoseRecord& pose) { return pose.map == largest->first; });
   return selected;

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "mba_vo/evaluation/association.h"
+#include "mba_vo/evaluation/clock_hint.h"
 #include "mba_vo/evaluation/exposure_motion.h"
 
 namespace mba_vo {
@@ -109,13 +110,16 @@ EvaluationReport evaluateTrajectory(const std::vector<PoseRecord>& groundtruth, 
   const MatchedPoses matched{groundtruth, evaluated,
                              associateByTime(groundtruth, evaluated, options.max_time_difference)};
   constexpr std::size_t kMinPairs = 3;
+  const std::string hint = clockHint(groundtruth, evaluated);
   if (matched.pairs.size() < kMinPairs) {
-    throw std::runtime_error("only " + std::to_string(matched.pairs.size()) + " of " +
-                             std::to_string(evaluated.size()) + " estimated poses are within " +
-                             std::to_string(options.max_time_difference) +
-                             " s of a ground-truth pose, at least 3 are needed; do both use the same clock?");
+    throw std::runtime_error(
+        "only " + std::to_string(matched.pairs.size()) + " of " + std::to_string(evaluated.size()) +
+        " estimated poses are within " + std::to_string(options.max_time_difference) +
+        " s of a ground-truth pose, at least 3 are needed; " + (hint.empty() ? "do both use the same clock?" : hint));
   }
   EvaluationReport report;
+  report.clock_hint = hint;
+  report.map = evaluated.front().map;
   report.mode = options.alignment;
   report.relative_interval = options.relative_interval;
   report.alignment = align(matched, options.alignment);

@@ -6,6 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mba_vo/evaluation/csv_file.h"
+
 namespace mba_vo {
 namespace {
 
@@ -21,17 +23,11 @@ std::vector<double> parseNumbers(const std::string& line, const std::string& whe
   std::vector<double> numbers;
   std::istringstream words(line);
   for (std::string word; words >> word;) {
-    std::size_t used = 0;
-    double value = 0.0;
-    try {
-      value = std::stod(word, &used);
-    } catch (const std::exception&) {
-      used = 0;
-    }
-    if (used != word.size() || !std::isfinite(value)) {
+    const std::optional<double> value = finiteNumber(word);
+    if (!value) {
       fail(where, "'" + word + "' is not a finite number");
     }
-    numbers.push_back(value);
+    numbers.push_back(*value);
   }
   return numbers;
 }
@@ -73,7 +69,7 @@ std::optional<int> mapOfComment(const std::string& comment) {
 
 }  // namespace
 
-std::vector<PoseRecord> readPoseFile(const std::string& file) {
+std::vector<PoseRecord> readPosesIfAny(const std::string& file) {
   std::ifstream stream(file);
   if (!stream) {
     fail(file, "cannot be read");
@@ -103,11 +99,16 @@ std::vector<PoseRecord> readPoseFile(const std::string& file) {
     records.push_back(parseRecord(numbers, where));
     records.back().map = map;
   }
+  std::stable_sort(records.begin(), records.end(),
+                   [](const PoseRecord& a, const PoseRecord& b) { return a.time < b.time; });
+  return records;
+}
+
+std::vector<PoseRecord> readPoseFile(const std::string& file) {
+  std::vector<PoseRecord> records = readPosesIfAny(file);
   if (records.empty()) {
     fail(file, "contains no pose");
   }
-  std::stable_sort(records.begin(), records.end(),
-                   [](const PoseRecord& a, const PoseRecord& b) { return a.time < b.time; });
   return records;
 }
 

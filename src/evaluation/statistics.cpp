@@ -5,7 +5,6 @@
 #include <limits>
 
 namespace mba_vo {
-namespace {
 
 double quantile(const std::vector<double>& sorted, double fraction) {
   const double rank = fraction * static_cast<double>(sorted.size() - 1);
@@ -14,8 +13,6 @@ double quantile(const std::vector<double>& sorted, double fraction) {
   const double weight = rank - static_cast<double>(below);
   return (1.0 - weight) * sorted[below] + weight * sorted[above];
 }
-
-}  // namespace
 
 Statistics summarize(std::vector<double> values) {
   if (values.empty()) {

@@ -1,8 +1,10 @@
 #include "mba_vo/evaluation/trajectory_plot.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iomanip>
+#include <iterator>
 #include <sstream>
 
 #include "mba_vo/evaluation/canvas.h"
@@ -17,7 +19,8 @@ constexpr double kTick = 5.0;         // [px]
 const Color kBlack{0, 0, 0};
 const Color kGrid{225, 225, 225};
 const Color kTruthColor{120, 120, 120};
-const Color kEstimateColor{200, 30, 30};
+const std::array<Color, 2> kEstimateColors{Color{200, 30, 30}, Color{30, 90, 200}};
+constexpr double kEstimateWidth = 1.5;  // [px]
 constexpr const char* kAxisNames[] = {"x", "y", "z"};
 
 /// Which axes of the ground-truth frame a view shows; sign -1 turns an axis round.
@@ -142,19 +145,28 @@ std::vector<Curve> estimateCurves(const EvaluationReport& report) {
   return curves;
 }
 
-void drawLegend(Canvas& canvas, const EvaluationReport& report) {
-  constexpr double kBaseline = 22.0;
-  const auto entry = [&](double x, const Color& color, double width, const std::string& label) {
-    const double line_y = kBaseline - 0.35 * kTextHeight;
-    canvas.polyline({{x, line_y}, {x + 40.0, line_y}}, color, width);
-    canvas.text({x + 48.0, kBaseline}, label, TextAnchor::kStart, kTextHeight);
-  };
+std::string labelOf(const PlottedEstimate& estimate) {
+  const EvaluationReport& report = *estimate.report;
   std::ostringstream label;
-  label << "estimate, aligned (" << (report.mode == AlignmentMode::kSim3 ? "sim3" : "se3") << ", ATE "
+  label << estimate.name << ", aligned (" << (report.mode == AlignmentMode::kSim3 ? "sim3" : "se3") << ", ATE "
         << std::setprecision(3) << report.absolute.rmse << " m rms, " << report.drops.dropped << " of "
         << report.drops.frames << " frames dropped)";
-  entry(70.0, kTruthColor, 3.0, "ground truth");
-  entry(260.0, kEstimateColor, 1.5, label.str());
+  return label.str();
+}
+
+void drawLegend(Canvas& canvas, const std::vector<PlottedEstimate>& estimates) {
+  constexpr double kBaseline = 22.0;  // [px]
+  const auto entry = [&](double x, double y, const Color& color, double width, const std::string& label) {
+    const double line_y = y - 0.35 * kTextHeight;
+    canvas.polyline({{x, line_y}, {x + 40.0, line_y}}, color, width);
+    canvas.text({x + 48.0, y}, label, TextAnchor::kStart, kTextHeight);
+  };
+  entry(70.0, kBaseline, kTruthColor, 3.0, "ground truth");
+  double baseline = kBaseline;
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    entry(260.0, baseline, kEstimateColors[i % kEstimateColors.size()], kEstimateWidth, labelOf(estimates[i]));
+    baseline += 1.3 * kTextHeight;
+  }
 }
 
 }  // namespace
@@ -171,19 +183,22 @@ std::vector<double> roundTicks(double low, double high, int count) {
   return ticks;
 }
 
-void plotTrajectory(const std::string& file, const std::vector<PoseRecord>& groundtruth,
-                    const EvaluationReport& report) {
+void plotTrajectories(const std::string& file, const std::vector<PoseRecord>& groundtruth,
+                      const std::vector<PlottedEstimate>& estimates) {
   const std::unique_ptr<Canvas> canvas = makeCanvas(file, kWidth, kHeight);
   Curve truth;
   for (const PoseRecord& record : groundtruth) {
     truth.push_back(record.T_world_camera.translation());
   }
-  const std::vector<Curve> estimates = estimateCurves(report);
-  std::vector<const Curve*> all{&truth};
-  for (const Curve& curve : estimates) {
-    all.push_back(&curve);
+  std::vector<std::vector<Curve>> pieces;  // of each estimate
+  for (const PlottedEstimate& estimate : estimates) {
+    pieces.push_back(estimateCurves(*estimate.report));
   }
-  drawLegend(*canvas, report);
+  std::vector<const Curve*> all{&truth};
+  for (const std::vector<Curve>& curves : pieces) {
+    std::transform(curves.begin(), curves.end(), std::back_inserter(all), [](const Curve& curve) { return &curve; });
+  }
+  drawLegend(*canvas, estimates);
   const auto [above, side] = chooseViews(groundtruth, truth);
   constexpr double kPanelSize = 510.0;  // [px]
   double left = 70.0;                   // [px]
@@ -191,12 +206,19 @@ void plotTrajectory(const std::string& file, const std::vector<PoseRecord>& grou
     const Panel panel = makePanel(view, all, {left, 75.0}, kPanelSize);
     drawAxes(*canvas, panel, view);
     drawCurve(*canvas, panel, view, truth, kTruthColor, 3.0);
-    for (const Curve& curve : estimates) {
-      drawCurve(*canvas, panel, view, curve, kEstimateColor, 1.5);
+    for (std::size_t i = pieces.size(); i-- > 0;) {  // the first on top
+      for (const Curve& curve : pieces[i]) {
+        drawCurve(*canvas, panel, view, curve, kEstimateColors[i % kEstimateColors.size()], kEstimateWidth);
+      }
     }
     left += kPanelSize + 90.0;
   }
   canvas->save();
+}
+
+void plotTrajectory(const std::string& file, const std::vector<PoseRecord>& groundtruth,
+                    const EvaluationReport& report) {
+  plotTrajectories(file, groundtruth, {{"estimate", &report}});
 }
 
 }  // namespace mba_vo

@@ -28,6 +28,14 @@ int countPixels(const cv::Mat& image, const cv::Vec3b& bgr) {
   return cv::countNonZero(mask);
 }
 
+std::size_t countOf(const std::string& text, const std::string& word) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
+    ++count;
+  }
+  return count;
+}
+
 TEST(Report, TableAndYamlTellTheFigures) {
   EvaluationReport report = reportOfCircle();
   report.absolute.rmse = 0.0125;
@@ -74,20 +82,38 @@ TEST(Plot, SvgHasAxesLegendAndCurves) {
 }
 
 TEST(Plot, GapsAreNotBridged) {
-  const auto countPolylines = [](const std::string& svg) {
-    std::size_t count = 0;
-    for (std::size_t at = svg.find("rgb(200,30,30)"); at != std::string::npos;
-         at = svg.find("rgb(200,30,30)", at + 1)) {
-      ++count;
-    }
-    return count;
-  };
   const TemporaryFolder folder;
+  const std::string kRed = "rgb(200,30,30)";
   EvaluationReport report = reportOfCircle();
   plotTrajectory(folder.file("whole.svg"), circle(), report);
   report.pairs.erase(report.pairs.begin() + 20, report.pairs.begin() + 25);
   plotTrajectory(folder.file("gap.svg"), circle(), report);
-  EXPECT_EQ(countPolylines(folder.read("gap.svg")), countPolylines(folder.read("whole.svg")) + 2);
+  EXPECT_EQ(countOf(folder.read("gap.svg"), kRed), countOf(folder.read("whole.svg"), kRed) + 2);
+}
+
+TEST(Plot, TwoEstimatesHaveTheirOwnColoursAndGaps) {
+  const TemporaryFolder folder;
+  EvaluationReport online = reportOfCircle();
+  for (PosePair& pair : online.pairs) {
+    pair.estimate = SE3(pair.estimate.rotation(), pair.estimate.translation() + Eigen::Vector3d(0.2, 0.3, 0.2));
+  }
+  EvaluationReport smoothed = reportOfCircle();
+  for (PosePair& pair : smoothed.pairs) {
+    pair.estimate = SE3(pair.estimate.rotation(), pair.estimate.translation() - Eigen::Vector3d(0.2, 0.3, 0.2));
+  }
+  plotTrajectories(folder.file("plot.png"), circle(), {{"online", &online}, {"smoothed", &smoothed}});
+  const cv::Mat image = cv::imread(folder.file("plot.png"));
+  for (const int left : {0, image.cols / 2}) {
+    const cv::Mat panel = image(cv::Rect(left, 60, image.cols / 2, image.rows - 60));
+    EXPECT_GT(countPixels(panel, {30, 30, 200}), 200);
+    EXPECT_GT(countPixels(panel, {200, 90, 30}), 200);
+  }
+  online.pairs.erase(online.pairs.begin() + 20, online.pairs.begin() + 25);
+  plotTrajectories(folder.file("plot.svg"), circle(), {{"online", &online}, {"smoothed", &smoothed}});
+  const std::string svg = folder.read("plot.svg");
+  EXPECT_THAT(svg, HasSubstr("online, aligned"));
+  EXPECT_THAT(svg, HasSubstr("smoothed, aligned"));
+  EXPECT_EQ(countOf(svg, "rgb(200,30,30)"), countOf(svg, "rgb(30,90,200)") + 2);  // one piece more in each view
 }
 
 TEST(Plot, BadFilesAreNamed) {

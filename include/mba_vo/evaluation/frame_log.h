@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "mba_vo/evaluation/csv_file.h"
+
 namespace mba_vo {
 
 /// One input frame as listed in frames.csv of the odometry.
@@ -11,10 +13,8 @@ struct LoggedFrame {
   std::string status;  // INITIALIZING, TRACKING, DEGRADED, LOST or REJECTED
 };
 
-/// Reads the columns `time` and `status` of a frames.csv. Throws std::runtime_error naming file and line if malformed.
+/// The columns `time` and `status` of a frames.csv. Throws std::runtime_error naming file and line if malformed.
+std::vector<LoggedFrame> frameLog(const CsvTable& table);
 std::vector<LoggedFrame> readFrameLog(const std::string& file);
-
-/// Splits a line of comma-separated values; a field in double quotes may hold commas and doubled quotes.
-std::vector<std::string> splitCsvLine(const std::string& line);
 
 }  // namespace mba_vo

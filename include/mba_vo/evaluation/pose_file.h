@@ -29,5 +29,7 @@ struct PoseRecord {
 /// `#` begins a comment; the comment `# map N` assigns the poses after it to map N (0 before the first).
 /// Throws std::runtime_error naming file and line for anything else, and for a file without poses.
 std::vector<PoseRecord> readPoseFile(const std::string& file);
+/// The same for a file that may have no pose: a run that never found one.
+std::vector<PoseRecord> readPosesIfAny(const std::string& file);
 
 }  // namespace mba_vo

@@ -15,6 +15,9 @@ struct Statistics {
   double max = 0.0;
 };
 
+/// Value with `fraction` [0, 1] of the values below it, of at least one value, sorted; linear between ranks.
+double quantile(const std::vector<double>& sorted, double fraction);
+
 Statistics summarize(std::vector<double> values);
 
 }  // namespace mba_vo
