@@ -1,16 +1,57 @@
 # shellcheck shell=bash
-# Sourced by accuracy.sh and distortion.sh: runs mba_vo offline and prints one line of figures per run. Uses $bin, the
-# folder of the programs, and $output, the folder for trajectories and plots.
+# Sourced by accuracy.sh, simulated.sh, distortion.sh and live.sh: runs mba_vo offline and prints one line of figures per
+# run, those of what was published first. Uses $bin, the folder of the programs, and $output, the folder for trajectories
+# and plots.
 
 : "${bin:?}" "${output:?}"
 
-# figure FILE REGEXP: the number that follows REGEXP in a YAML file
+# figure FILE PATH [KEY]: a number of a YAML file, PATH with dots; KEY within {braces}
 figure() {
-  awk -v regexp="$2 *" 'match($0, regexp) { print 0 + substr($0, RSTART + RLENGTH); exit }' "$1"
+  awk -v path="$2" -v key="${3:-}" '
+    match($0, /^ *[^ :]+:/) {
+      depth = (match($0, /[^ ]/) - 1) / 2
+      name = $1
+      sub(/:$/, "", name)
+      names[depth] = name
+      here = names[0]
+      for (i = 1; i <= depth; ++i) here = here "." names[i]
+      if (here != path) next
+      value = $0
+      if (key == "") sub(/^[^:]*: */, "", value)
+      else if (match(value, "[{ ]" key ": *")) value = substr(value, RSTART + RLENGTH)
+      print 0 + value
+      exit
+    }' "$1"
 }
 
 print_header() {
-  printf '%-20s %9s %9s %7s %9s %7s %9s %9s %7s\n' run 'ATE [m]' 'rot [deg]' scale tracked dropped 'track ms' 'map ms' MB
+  printf '%-20s | %9s %9s %8s %8s %8s %8s | %9s %9s %7s %7s %8s | %8s %6s %5s\n' run 'map ATE' 'odom ATE' 'in time' \
+    'moving' 'first[s]' 'p95[ms]' 'smoothed' 'rot[deg]' 'tracked' 'dropped' 'restarts' 'track ms' 'map ms' MB
+}
+
+# print_run NAME FOLDER: figures of a run that has been evaluated (evaluation.yaml, and summary.yaml if it was offline);
+# ATE in m; shares of images with a pose within a frame interval, of all and of those after the first parallax, in %
+print_run() {
+  local e=$2/evaluation.yaml s=$2/summary.yaml
+  printf '%-20s | %9.5f %9.5f %7.1f%% %7.1f%% %8.2f %8.1f | %9.5f %9.3f %6.1f%% %7d %8d | ' "$1" \
+    "$(figure "$e" causal.map.ate rmse)" "$(figure "$e" causal.odometry.ate rmse)" \
+    "$(figure "$e" causal.availability.pose_in_time percent)" \
+    "$(figure "$e" causal.availability.pose_in_time_moving percent)" \
+    "$(figure "$e" causal.availability.first_pose_after_parallax)" \
+    "$(figure "$e" causal.availability.latency_ms percentile_95)" "$(figure "$e" smoothed.ate rmse)" \
+    "$(figure "$e" smoothed.rotation rmse)" "$(awk -v d="$(figure "$e" smoothed.dropped_percent)" 'BEGIN { print 100 - d }')" \
+    "$(figure "$e" smoothed.dropped_after_initialization)" "$(figure "$e" causal.restarts)"
+  if [ -s "$s" ]; then
+    printf '%8.1f %6.1f %5.0f\n' "$(figure "$s" times.tracking per_frame_ms)" "$(figure "$s" times.mapping per_frame_ms)" \
+      "$(figure "$s" peak_memory_mb)"
+  else
+    echo
+  fi
+}
+
+# evaluate SEQUENCE FOLDER: compares the run in FOLDER with the truth of the sequence; evaluation.yaml and a plot
+evaluate() {
+  "$bin/mba_vo_evaluate" --groundtruth "$1/groundtruth.txt" --run "$2" --yaml "$2/evaluation.yaml" --plot "$2/trajectory.png"
 }
 
 # run_and_print NAME SEQUENCE OPTION...: options of mba_vo_offline
@@ -20,25 +61,26 @@ run_and_print() {
   mkdir -p "$folder"
   rm -f "$folder"/*
   if ! "$bin/mba_vo_offline" "$sequence" --output "$folder" --deterministic "$@" >"$folder/log.txt" 2>&1 ||
-    ! "$bin/mba_vo_evaluate" --groundtruth "$sequence/groundtruth.txt" --estimate "$folder/trajectory.txt" \
-      --frames "$folder/frames.csv" --yaml "$folder/evaluation.yaml" --plot "$folder/trajectory.png" \
-      >>"$folder/log.txt" 2>&1; then
+    ! evaluate "$sequence" "$folder" >>"$folder/log.txt" 2>&1; then
     printf '%-20s failed: %s\n' "$run" "$(tail -n 1 "$folder/log.txt")"
     return 0
   fi
-  local result=$folder/evaluation.yaml summary=$folder/summary.yaml
-  printf '%-20s %9.5f %9.3f %7.3f %8.1f%% %7d %9.1f %9.1f %7.0f\n' "$run" \
-    "$(figure "$result" '^ate: {rmse:')" "$(figure "$result" '^rotation: {rmse:')" "$(figure "$result" '^scale:')" \
-    "$(awk '/^dropped_percent:/ { print 100 - $2 }' "$result")" "$(figure "$result" '^dropped_after_initialization:')" \
-    "$(figure "$summary" 'tracking:.*per_frame_ms:')" "$(figure "$summary" 'mapping:.*per_frame_ms:')" \
-    "$(figure "$summary" '^peak_memory_mb:')"
+  print_run "$run" "$folder"
 }
 
-# print_median NAME RUN...: of the ATE of these runs; one start says little, the figures scatter by half
+# median NUMBER...
+median() { printf '%s\n' "$@" | sort -g | sed -n "$((($# + 1) / 2))p"; }
+
+# print_median NAME RUN...: of these runs, ATE as published and smoothed; one start says little, the figures scatter by half
 print_median() {
-  local name=$1
+  local name=$1 run
+  local online=() moving=() smoothed=()
   shift
-  printf 'median of %-10s %9.5f\n' "$name" "$(for run in "$@"; do
-    figure "$output/$run/evaluation.yaml" '^ate: {rmse:'
-  done | sort -g | sed -n "$((($# + 1) / 2))p")"
+  for run in "$@"; do
+    online+=("$(figure "$output/$run/evaluation.yaml" causal.map.ate rmse)")
+    moving+=("$(figure "$output/$run/evaluation.yaml" causal.availability.pose_in_time_moving percent)")
+    smoothed+=("$(figure "$output/$run/evaluation.yaml" smoothed.ate rmse)")
+  done
+  printf 'median of %-10s | %9.5f %26s%% %18s | %9.5f\n' "$name" "$(median "${online[@]}")" "$(median "${moving[@]}")" '' \
+    "$(median "${smoothed[@]}")"
 }

@@ -1,22 +1,31 @@
 #!/usr/bin/env bash
-# Plays the development sequences as bags at real speed through the ROS nodes, and prints accuracy, latency and what was
-# shed (docs/results.md).
+# Plays the development sequences as bags at real speed through the ROS nodes, and prints what was published when it was
+# published, then what was saved in the end (docs/results.md).
 #
-#   scripts/live.sh [--data DIR] [--output DIR] [SEQUENCE...]
+#   scripts/live.sh [--data DIR] [--output DIR] [--cores LIST] [--player-cores LIST] [--runs N] [SEQUENCE...]
 #
 #   --data DIR     folder with the sequences (../shared/data)
 #   --output DIR   folder for bags and trajectories (output/live)
-#   SEQUENCE       desk shake kitchen (all of them)
+#   --cores LIST   of the nodes, as for taskset, for example 0; all of them
+#   --player-cores LIST   of the player of the bag; as the nodes
+#   --runs N       times that each is played (1); of several the medians are printed
+#   SEQUENCE       desk shake kitchen spin, or another folder in --data (desk shake kitchen)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 data=../shared/data
 output=output/live
+cores=$(taskset --cpu-list --pid $$ | sed 's/.*: //')
+player_cores=
+count=1
 sequences=()
 while [ $# -gt 0 ]; do
   case "$1" in
     --data) data=${2:?--data needs a folder}; shift ;;
     --output) output=${2:?--output needs a folder}; shift ;;
+    --cores) cores=${2:?--cores needs a list}; shift ;;
+    --player-cores) player_cores=${2:?--player-cores needs a list}; shift ;;
+    --runs) count=${2:?--runs needs a number}; shift ;;
     -h | --help) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
     *) sequences+=("$1") ;;
   esac
@@ -29,24 +38,36 @@ output=$(realpath "$output")
 source scripts/environment.sh
 bin=devel/lib/mba_vo
 
-for sequence in "${sequences[@]}"; do
-  folder=$output/$sequence
-  mkdir -p "$folder"
-  rm -f "$folder"/*trajectory.*
+source scripts/figures.sh
+
+# play NAME SEQUENCE: one run, into $output/NAME
+play() {
+  local folder=$output/$1 bag=$output/$2.bag truth=$output/$2
+  mkdir -p "$folder" "$truth"
+  rm -f "$folder"/*
   # A bag cannot hold the time 0, at which some sequences begin.
-  offset=$(awk '!/^#/ {print ($2 < 1 ? 1 : 0); exit}' "$data/$sequence/times.txt")
+  local offset
+  offset=$(awk '!/^#/ {print ($2 < 1 ? 1 : 0); exit}' "$data/$2/times.txt")
   awk -v offset="$offset" '/^#/ || offset == 0 {print; next} {$1 = sprintf("%.9f", $1 + offset); print}' \
-    "$data/$sequence/groundtruth.txt" >"$folder/groundtruth.txt"
-  if [ ! -s "$folder/sequence.bag" ]; then
-    "$bin/mba_vo_make_bag" "$data/$sequence" --output "$folder/sequence.bag" --time-offset "$offset" >/dev/null
+    "$data/$2/groundtruth.txt" >"$truth/groundtruth.txt"
+  if [ ! -s "$bag" ]; then
+    "$bin/mba_vo_make_bag" "$data/$2" --output "$bag" --time-offset "$offset" >/dev/null
   fi
-  scripts/live_report.py >"$folder/report.txt" 2>&1 &
-  report=$!
-  roslaunch mba_vo demo.launch bag:="$folder/sequence.bag" output:="$folder" >"$folder/log.txt" 2>&1 || true
-  kill "$report" 2>/dev/null || true
-  wait "$report" || true
-  printf '\n== %s\n' "$sequence"
-  cat "$folder/report.txt"
-  "$bin/mba_vo_evaluate" --groundtruth "$folder/groundtruth.txt" --estimate "$folder/trajectory.txt" \
-    --plot "$folder/trajectory.png"
+  taskset --cpu-list "$cores" roslaunch mba_vo demo.launch bag:="$bag" output:="$folder" \
+    player_prefix:="taskset --cpu-list ${player_cores:-$cores}" >"$folder/log.txt" 2>&1 || true
+  if ! evaluate "$truth" "$folder" >"$folder/evaluation.txt" 2>&1; then
+    printf '%-20s failed: %s\n' "$1" "$(tail -n 1 "$folder/evaluation.txt")"
+    return 0
+  fi
+  print_run "$1" "$folder"
+}
+
+print_header
+for sequence in "${sequences[@]}"; do
+  names=()
+  for ((run = 1; run <= count; ++run)); do
+    names+=("$sequence-live-$run")
+    play "${names[-1]}" "$sequence"
+  done
+  if [ "$count" -gt 1 ]; then print_median "$sequence" "${names[@]}"; fi
 done

@@ -35,9 +35,9 @@ run() {
     --yaml "$folder/evaluation.yaml" >>"$folder/log.txt"
 }
 
-# value NAME KEY FIELD: one figure of a line of the evaluation
+# value NAME KEY FIELD: one figure of a line of the evaluation; KEY as figure's PATH
 value() {
-  figure "$output/$1/evaluation.yaml" "^ *$2: .*$3:"
+  figure "$output/$1/evaluation.yaml" "$2" "$3"
 }
 
 echo 'shake: motion within the exposure against its true start and end poses, medians'
@@ -47,7 +47,7 @@ for model in on off; do
   if [ $model = off ]; then exposure=0; fi
   run "shake_$model" shake groundtruth_exposure.txt exposure_trajectory.txt --exposure $exposure
   printf '%-16s %10.4f %16.1f %14.3f\n' $model "$(value shake_$model ate rmse)" \
-    "$(value shake_$model direction median)" "$(value shake_$model length_ratio median)"
+    "$(value shake_$model exposure.direction median)" "$(value shake_$model exposure.length_ratio median)"
 done
 
 mkdir -p "$output"

@@ -88,8 +88,11 @@ class SequenceFolder : public SequenceReader {
     }
     const ImageTime& time = times_[next_];
     const fs::path& file = files_[next_];
-    CameraImage result{next_, time.mid_exposure_ns, time.mid_exposure_ns, time.exposure, readImage(file), "", {}};
-    ++next_;
+    CameraImage result;
+    result.sequence = next_++;
+    result.stamp_ns = result.mid_exposure_ns = time.mid_exposure_ns;
+    result.exposure = time.exposure;
+    result.image = readImage(file);
     if (result.image.empty()) {
       result.problem = file.string() + ": not a readable image";
     } else {

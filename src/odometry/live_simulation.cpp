@@ -21,9 +21,10 @@ LiveSimulation::LiveSimulation(const OdometryConfig& config, const Machine& mach
 
 OdometryResult LiveSimulation::process(const CameraImage& image) {
   OdometryResult result;
-  const double arrival = 1e-9 * static_cast<double>(image.mid_exposure_ns);
+  if (!first_ns_) first_ns_ = image.mid_exposure_ns;
+  const double arrival = 1e-9 * static_cast<double>(image.mid_exposure_ns - *first_ns_);
   runUntil(arrival, result);
-  now_ = arrival;  // of the first image, or after a clock that began anew, time jumps
+  now_ = arrival;  // after a clock that began anew, time jumps
   for (const CameraImage& shed : tracker_.addImage(image, arrival)) {
     TrackerStep step;
     step.kind = TrackerStep::Kind::kShed;

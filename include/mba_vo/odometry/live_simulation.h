@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -46,7 +47,8 @@ class LiveSimulation : public OdometryRun {
   std::vector<MapperMessage> drafts_;  // of the step that the mapper is computing
   MapperPipeline mapper_;
   Machine machine_;
-  double now_ = 0.0;  // on the images' clock [s]
+  std::optional<std::int64_t> first_ns_;  // mid-exposure of the first image, when time begins
+  double now_ = 0.0;                      // [s]
   bool at_end_ = false;
   std::optional<TrackerWork> tracking_;
   std::optional<MapperWork> mapping_;

@@ -1,0 +1,146 @@
+// Both halves on threads of their own, as the nodelets run them. The thread sanitizer sees all of it.
+#include <atomic>
+#include <chrono>
+#include <future>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "mba_vo/odometry/config_yaml.h"
+#include "mba_vo/odometry/mapper_pipeline.h"
+#include "mba_vo/odometry/pipeline_thread.h"
+#include "mba_vo/odometry/tracker_pipeline.h"
+#include "support/rendered_sequence.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr double kExposure = 0.03;  // [s]
+constexpr int kImages = 60;
+constexpr std::size_t kQueueBytes = 500000000;
+
+const test::RenderedSequence& sequence() {
+  static const test::RenderedSequence rendered = [] {
+    SimulationConfig config = test::sequenceConfig(kExposure);
+    config.trajectory_seed = 3;
+    return test::renderFrames(config, 0, kImages);
+  }();
+  return rendered;
+}
+
+OdometryConfig options() {
+  OdometryConfig config;
+  config.mapper.deblur.method = "trajectory";
+  config.mapper.deblur.trajectory.min_blur_px = 1.0;
+  config.mapper.deblur_queue.per_second = 5.0;
+  finalize(config);
+  return config;
+}
+
+class Threads {
+ public:
+  Threads()
+      : tracker_({options(), {}, kQueueBytes, true}),
+        mapper_(options().mapper, kQueueBytes, [this](const MapperMessage& draft) { deliver(draft); }),
+        mapping_({[this] { return map(); }, [this](const std::string& what) { recoverMapper(what); }},
+                 PipelineThread::Priority::kBackground),
+        tracking_({[this] { return track(); }, [this](const std::string&) { tracker_.requestReset(); }}) {
+    tracker_.setCalibration(sequence().calibration);
+  }
+
+  void add(int index, std::int64_t later_ns = 0) {
+    const SimulatedFrame& frame = sequence().frames.at(static_cast<std::size_t>(index));
+    CameraImage image;
+    image.sequence = ++added_;
+    image.stamp_ns = image.mid_exposure_ns = frame.mid_exposure_ns + later_ns;
+    image.exposure = kExposure;
+    image.image = frame.blurred;
+    tracker_.addImage(image);
+    tracking_.wake();
+  }
+  void reset() {
+    tracker_.requestReset();
+    tracking_.wake();
+  }
+  void failNextFrame() { fail_ = true; }
+  std::vector<TrajectoryEntry> trajectory() {
+    auto future = mapper_.requestTrajectory();
+    mapping_.wake();
+    return future.get();
+  }
+  /// Waits until all images have their first results.
+  void settle() const {
+    while (first_results_ < added_) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  int poses() const { return poses_; }
+  int failures() const { return failures_; }
+
+ private:
+  bool track() {
+    const std::optional<TrackerStep> step = tracker_.step();
+    if (!step) return false;
+    if (step->message.tracked) {
+      mapper_.addFrame(step->message);
+      mapping_.wake();
+    }
+    if (step->kind == TrackerStep::Kind::kImage) {
+      if (step->message.tracked->tracked()) ++poses_;
+      ++first_results_;
+    }
+    return true;
+  }
+  bool map() {
+    const std::optional<MapperStep> step = mapper_.step();
+    if (!step) return false;
+    if (step->reference.reference) deliver(step->reference);
+    if (step->kind == MapperStep::Kind::kFrame && fail_.exchange(false)) throw std::runtime_error("on purpose");
+    return true;
+  }
+  void deliver(const MapperMessage& reference) {
+    tracker_.addReference(reference);
+    tracking_.wake();
+  }
+  void recoverMapper(const std::string& what) {
+    ++failures_;
+    const MapperMessage closed = mapper_.recover(what);
+    if (closed.reference) deliver(closed);
+  }
+
+  TrackerPipeline tracker_;
+  MapperPipeline mapper_;
+  std::atomic<std::uint64_t> added_{0};
+  std::atomic<std::uint64_t> first_results_{0};
+  std::atomic<int> poses_{0};
+  std::atomic<int> failures_{0};
+  std::atomic<bool> fail_{false};
+  PipelineThread mapping_;
+  PipelineThread tracking_;
+};
+
+TEST(PipelineThreads, TrackMapSaveResetFailAndEnd) {
+  Threads threads;
+  for (int i = 0; i < kImages; ++i) threads.add(i);
+  const std::vector<TrajectoryEntry> early = threads.trajectory();  // while work goes on
+  threads.settle();
+  const std::vector<TrajectoryEntry> all = threads.trajectory();
+  EXPECT_GE(all.size(), early.size());
+  EXPECT_GT(all.size(), kImages / 2U);
+
+  threads.reset();
+  for (int i = 0; i < kImages; ++i) threads.add(i, 10000000000);
+  threads.settle();
+  EXPECT_GT(threads.trajectory().size(), all.size());
+
+  threads.failNextFrame();
+  for (int i = 0; i < kImages; ++i) threads.add(i, 20000000000);
+  threads.settle();
+  threads.trajectory();
+  EXPECT_EQ(threads.failures(), 1);
+  for (int i = 0; i < 5; ++i) threads.add(i, 30000000000);  // ends with work left
+}
+
+}  // namespace
+}  // namespace mba_vo

@@ -1,0 +1,190 @@
+#include "mba_vo/odometry/tracker_pipeline.h"
+
+#include <optional>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "odometry/tracking_loop_fixture.h"
+
+namespace mba_vo::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::uint64_t kSession = 7;
+
+TrackerPipelineConfig pipelineConfig(std::size_t max_queue_bytes = 64000000) {
+  TrackerPipelineConfig config;
+  config.max_queue_bytes = max_queue_bytes;
+  return config;
+}
+
+CameraImage image(int index) {
+  CameraImage image;
+  image.sequence = view(index).id;
+  image.stamp_ns = image.mid_exposure_ns = view(index).mid_exposure_ns;
+  image.exposure = view(index).exposure;
+  image.image = view(index).blurred;
+  image.camera_frame = "camera";
+  return image;
+}
+
+/// All steps until nothing is left to do.
+std::vector<TrackerStep> drain(TrackerPipeline& pipeline) {
+  std::vector<TrackerStep> steps;
+  while (std::optional<TrackerStep> step = pipeline.step()) steps.push_back(*step);
+  return steps;
+}
+
+/// A pipeline that tracks against frame 0 and has tracked up to frame `last`.
+void begin(TrackerPipeline& pipeline, int last) {
+  pipeline.setCalibration(roomConfig().calibration());
+  pipeline.addImage(image(0));
+  drain(pipeline);
+  pipeline.addReference({kSession, makeReference(1, 0, 0, SE3(), 0)});
+  for (int i = 1; i <= last; ++i) {
+    pipeline.addImage(image(i));
+    drain(pipeline);
+  }
+}
+
+TEST(TrackerPipeline, EveryImageHasOneFirstResult) {
+  TrackerPipeline pipeline(pipelineConfig(), kSession);
+  pipeline.setCalibration(roomConfig().calibration());
+  pipeline.addImage(image(0), 3.5);
+  const std::vector<TrackerStep> first = drain(pipeline);
+  ASSERT_EQ(first.size(), 2U);
+  EXPECT_EQ(first[0].kind, TrackerStep::Kind::kPassed) << "the calibration";
+  EXPECT_EQ(first[1].kind, TrackerStep::Kind::kImage);
+  EXPECT_EQ(first[1].arrival, 3.5);
+  EXPECT_EQ(first[1].message.session, kSession);
+  EXPECT_TRUE(first[1].message.keep_map);
+  EXPECT_FALSE(first[1].message.has_reference);
+  EXPECT_EQ(first[1].message.mount.camera_frame, "camera");
+  EXPECT_EQ(first[1].message.tracked->status, TrackingStatus::kInitializing);
+  pipeline.addReference({kSession, makeReference(1, 0, 0, SE3(), 0)});
+  pipeline.addImage(image(1));
+  const std::vector<TrackerStep> second = drain(pipeline);
+  ASSERT_EQ(second.size(), 1U);
+  EXPECT_EQ(second[0].phase, TrackingPhase::kTracking);
+  EXPECT_TRUE(second[0].message.has_reference);
+  EXPECT_LT(distance(second[0].T_map_odom * second[0].T_odom_camera, truth(0, 1)), kClose);
+  EXPECT_EQ(pipeline.takeAdopted().size(), 1U);
+}
+
+TEST(TrackerPipeline, ImagesAndFramesThatWaitTakeTurnsWhileCatchingUp) {
+  TrackerPipeline pipeline(pipelineConfig(), kSession);
+  pipeline.setCalibration(roomConfig().calibration());
+  for (int i = 0; i <= 4; ++i) pipeline.addImage(image(i));
+  drain(pipeline);
+  pipeline.addReference({kSession, makeReference(1, 0, 0, SE3(), 0)});
+  for (int i = 5; i <= 6; ++i) pipeline.addImage(image(i));
+  std::vector<TrackerStep::Kind> kinds;
+  for (const TrackerStep& step : drain(pipeline)) kinds.push_back(step.kind);
+  using Kind = TrackerStep::Kind;
+  EXPECT_THAT(kinds, testing::ElementsAre(Kind::kLate, Kind::kImage, Kind::kLate, Kind::kImage, Kind::kLate,
+                                          Kind::kLate, Kind::kLate, Kind::kLate));
+  EXPECT_EQ(pipeline.tracking().phase(), TrackingPhase::kTracking);
+}
+
+TEST(TrackerPipeline, NewImagesGoBeforeFramesThatAreTrackedOnceMore) {
+  TrackerPipelineConfig config = pipelineConfig();
+  config.odometry = demanding();
+  TrackerPipeline pipeline(config, kSession);
+  begin(pipeline, 9);
+  auto keyframe = makeReference(1, 1, 5, truth(0, 5));
+  keyframe->T_map_keyframe[0] = SE3();
+  pipeline.addReference({kSession, keyframe});
+  pipeline.addImage(image(10));
+  const std::optional<TrackerStep> first = pipeline.step();
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->kind, TrackerStep::Kind::kImage);
+  EXPECT_EQ(first->phase, TrackingPhase::kRevising);
+  const std::optional<TrackerStep> second = pipeline.step();
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->kind, TrackerStep::Kind::kLate);
+}
+
+TEST(TrackerPipeline, AResetIsANewSessionAndOldReferencesAreStale) {
+  TrackerPipeline pipeline(pipelineConfig(), kSession);
+  begin(pipeline, 2);
+  pipeline.requestReset();
+  const std::vector<TrackerStep> steps = drain(pipeline);
+  ASSERT_EQ(steps.size(), 1U);
+  EXPECT_TRUE(steps[0].began_anew);
+  EXPECT_EQ(steps[0].kind, TrackerStep::Kind::kReset);
+  pipeline.addReference({kSession, makeReference(1, 0, 0, SE3(), 0)});
+  pipeline.addImage(image(3));
+  const std::vector<TrackerStep> after = drain(pipeline);
+  ASSERT_EQ(after.size(), 1U);
+  EXPECT_EQ(after[0].message.session, kSession + 1);
+  EXPECT_FALSE(after[0].message.keep_map);
+  EXPECT_EQ(after[0].phase, TrackingPhase::kNoMap);
+  EXPECT_EQ(pipeline.takeStale(), 1U);
+}
+
+TEST(TrackerPipeline, AnotherCalibrationEndsWhatWentBefore) {
+  TrackerPipeline pipeline(pipelineConfig(), kSession);
+  begin(pipeline, 2);
+  CameraCalibration other = roomConfig().calibration();
+  other.fx *= 1.1;
+  pipeline.setCalibration(other);
+  const std::vector<TrackerStep> steps = drain(pipeline);
+  ASSERT_EQ(steps.size(), 1U);
+  EXPECT_THAT(steps[0].reason, HasSubstr("calibration"));
+  EXPECT_EQ(pipeline.tracking().phase(), TrackingPhase::kNoMap);
+}
+
+TEST(TrackerPipeline, ImagesOfNoUseAreRejectedWithAReason) {
+  TrackerPipeline pipeline(pipelineConfig(), kSession);
+  pipeline.addImage(image(0));
+  begin(pipeline, 1);
+  pipeline.addImage(image(1));  // once more
+  CameraImage unreadable = image(2);
+  unreadable.image = cv::Mat();
+  unreadable.problem = "broken file";
+  pipeline.addImage(unreadable);
+  CameraImage small = image(3);
+  small.image = small.image(cv::Rect(0, 0, 100, 100)).clone();
+  pipeline.addImage(small);
+  const std::vector<TrackerStep> steps = drain(pipeline);
+  ASSERT_EQ(steps.size(), 3U);
+  for (const TrackerStep& step : steps) {
+    EXPECT_EQ(step.kind, TrackerStep::Kind::kRejected);
+    EXPECT_EQ(step.message.tracked, nullptr);
+  }
+  EXPECT_THAT(steps[0].reason, HasSubstr("repeats"));
+  EXPECT_EQ(steps[1].reason, "broken file");
+  EXPECT_THAT(steps[2].reason, HasSubstr("100x100"));
+  EXPECT_TRUE(steps[2].contradicts_calibration);
+}
+
+TEST(TrackerPipeline, AClockThatBeginsAnewIsANewStart) {
+  TrackerPipeline pipeline(pipelineConfig(), kSession);
+  begin(pipeline, 3);
+  CameraImage early = image(4);
+  early.stamp_ns = early.mid_exposure_ns = view(0).mid_exposure_ns - 5000000000;
+  pipeline.addImage(early);
+  const std::vector<TrackerStep> steps = drain(pipeline);
+  ASSERT_EQ(steps.size(), 1U);
+  EXPECT_EQ(steps[0].kind, TrackerStep::Kind::kImage);
+  EXPECT_TRUE(steps[0].began_anew);
+  EXPECT_EQ(steps[0].message.session, kSession + 1);
+  EXPECT_EQ(steps[0].message.tracked->status, TrackingStatus::kInitializing);
+}
+
+TEST(TrackerPipeline, TooManyImagesAreThinnedOutEvenly) {
+  const std::size_t bytes = view(0).blurred.total();
+  TrackerPipeline pipeline(pipelineConfig(5 * bytes), kSession);
+  std::vector<std::uint64_t> shed;
+  for (int i = 0; i < 9; ++i) {
+    for (const CameraImage& one : pipeline.addImage(image(i))) shed.push_back(one.sequence - view(0).id);
+  }
+  EXPECT_THAT(shed, testing::ElementsAre(1U, 3U, 5U, 7U));
+  EXPECT_LE(pipeline.queueBytes(), 5 * bytes);
+}
+
+}  // namespace
+}  // namespace mba_vo::test
