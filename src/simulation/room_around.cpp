@@ -70,10 +70,14 @@ void addFloorAndCeiling(RoomBuilder& room, const RoomSize& size) {
   });
   room.addRectangle(size.height * up, -up, Eigen::Vector3d::UnitY(), 2.0 * size.half_x + kOverlap,
                     2.0 * size.half_y + kOverlap, {Pattern::kPlaster, 0.004, false, 1.1});
-  divide(2.0 * size.half_x, size.hall ? 3.5 : 1.8, [&](double x, double) {
-    addBeam(room, {{x, 0.0, size.height}, 0.5 * CV_PI}, 2.0 * size.half_y);
-    divide(2.0 * size.half_y, size.hall ? 3.5 : 1.9, [&](double y, double) {
-      addCeilingLamp(room, {{x + (size.hall ? 1.2 : 0.8), y, size.height}, 0.5 * CV_PI * room.random().uniform(0, 2)});
+  // Lamps in rows, and beams between the rows.
+  const double spacing = size.hall ? 3.5 : 1.8;  // longest [m]
+  divide(2.0 * size.half_x, spacing, [&](double x, double length) {
+    if (x > 0.75 * length - size.half_x) {
+      addBeam(room, {{x - 0.5 * length, 0.0, size.height}, 0.5 * CV_PI}, 2.0 * size.half_y);
+    }
+    divide(2.0 * size.half_y, spacing, [&](double y, double) {
+      addCeilingLamp(room, {{x, y, size.height}, 0.5 * CV_PI * room.random().uniform(0, 2)});
     });
   });
 }
@@ -145,7 +149,8 @@ void fillMiddle(RoomBuilder& room, const RoomSize& size) {
     divide(std::max(0.5, 2.0 * (size.half_y - strip)), cell, [&](double y, double width) {
       const double slack_x = std::max(0.0, 0.5 * length - 1.1);
       const double slack_y = std::max(0.0, 0.5 * width - 1.1);
-      const Place place{{x + room.uniform(-slack_x, slack_x), y + room.uniform(-slack_y, slack_y), 0.0},
+      const double height = room.uniform(0.0, 0.01);  // carpets of neighbours may overlap: one has to lie above
+      const Place place{{x + room.uniform(-slack_x, slack_x), y + room.uniform(-slack_y, slack_y), height},
                         room.uniform(0.0, 2.0 * CV_PI)};
       // A hall needs things that stand up before its far walls; in a room they would hide the furniture.
       for (int kind = room.random().uniform(0, size.hall ? 4 : kThings); kind < kThings; ++kind) {
