@@ -107,6 +107,10 @@ Outputs openOutputs(const Arguments& a, const mba_vo::CameraCalibration& calibra
 
 void simulate(const Arguments& a) {
   if (a.output.empty() && a.bag.empty()) throw std::invalid_argument("--output or --bag is needed");
+  if (a.simulation.hide_exposure && !a.bag.empty()) {
+    throw std::invalid_argument(
+        "--hide-exposure is for --output; in a bag the exposure is a topic that can be left out");
+  }
   std::optional<tbb::global_control> threads;
   if (a.threads > 0) {
     threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(a.threads));
