@@ -178,10 +178,10 @@ TEST(Renderer, RowsOfARollingShutterSeeAllThatTheirInstantShows) {
   const double row_time = 2e-4;  // [s]; 24 ms for the image
   const Renderer rolling(sharedRoom(), camera, {0.5, row_time});
   const Renderer global(sharedRoom(), camera, {0.5, 0.0});
-  for (const double t_mid : {-0.05, 0.0, 0.05}) {
+  for (const double t_mid : {-0.05, 0.05}) {
     const cv::Mat1f depth = rolling.depth(violent, t_mid);
     const cv::Mat1f light = rolling.integrate(violent, t_mid, 0.006);
-    for (int row = 0; row < camera.height; row += 17) {
+    for (int row = 0; row < camera.height; row += 28) {
       const double t_row = t_mid + row_time * (row - 0.5 * (camera.height - 1));
       const cv::Mat1f true_depth = global.depth(violent, t_row).row(row);
       EXPECT_LT(cv::norm(depth.row(row), true_depth, cv::NORM_INF), 1e-3) << "row " << row << " at " << t_mid;
