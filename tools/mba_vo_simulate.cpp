@@ -1,4 +1,5 @@
-// Renders a camera that is carried and shaken through a procedural room, with motion blur and exact ground truth.
+// Renders a camera that is carried through a procedural room, by an invented hand or as recorded, with motion blur and
+// exact ground truth.
 #include <unistd.h>
 
 #include <algorithm>
@@ -106,12 +107,16 @@ Outputs openOutputs(const Arguments& a, const mba_vo::CameraCalibration& calibra
 
 void simulate(const Arguments& a) {
   if (a.output.empty() && a.bag.empty()) throw std::invalid_argument("--output or --bag is needed");
+  if (a.simulation.hide_exposure && !a.bag.empty()) {
+    throw std::invalid_argument(
+        "--hide-exposure is for --output; in a bag the exposure is a topic that can be left out");
+  }
   std::optional<tbb::global_control> threads;
   if (a.threads > 0) {
     threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(a.threads));
   }
   const mba_vo::Simulator simulator(a.simulation);
-  Outputs outputs = openOutputs(a, simulator.calibration());
+  Outputs outputs = openOutputs(a, a.simulation.toldCalibration());
   std::vector<double> blur;
   {
     mba_vo::ProgressBar bar(std::cerr, static_cast<std::size_t>(simulator.frames()), isatty(STDERR_FILENO) != 0);
@@ -129,7 +134,9 @@ void simulate(const Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Simulates a hand-held camera in a furnished room: blurred images with exact start and end poses.");
+  CLI::App app(
+      "Simulates a camera in a furnished room, hand-held or on a recorded motion: blurred images with exact start and "
+      "end poses.");
   Arguments arguments;
   describe(app, arguments);
   CLI11_PARSE(app, argc, argv);

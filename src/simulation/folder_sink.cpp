@@ -27,6 +27,12 @@ std::string seconds(std::int64_t ns) {
   return text;
 }
 
+std::string fileName(const SimulatedFrame& frame, const char* extension) {
+  char name[40];
+  std::snprintf(name, sizeof(name), "/%06llu.%s", static_cast<unsigned long long>(frame.id), extension);
+  return name;
+}
+
 std::string poseText(const SE3& pose) {
   std::ostringstream text;
   const Eigen::Vector3d& t = pose.translation();
@@ -79,7 +85,11 @@ FolderSink::FolderSink(const std::string& folder, const CameraCalibration& calib
 }
 
 void FolderSink::write(const SimulatedFrame& frame) {
-  writeImage("images", frame, frame.blurred);
+  if (frame.jpeg.empty()) {
+    writeImage("images", frame, frame.blurred);
+  } else {
+    writeJpeg(frame);
+  }
   if (!frame.sharp.empty()) writeImage("images_sharp", frame, frame.sharp);
   if (!frame.depth.empty()) {
     cv::Mat depth;
@@ -89,7 +99,7 @@ void FolderSink::write(const SimulatedFrame& frame) {
     writeImage("depth", frame, depth);
   }
   const std::string t = seconds(frame.mid_exposure_ns);
-  times_ << frame.id << ' ' << t << ' ' << std::setprecision(4) << 1e3 * frame.exposure << '\n';
+  times_ << frame.id << ' ' << t << ' ' << std::setprecision(4) << 1e3 * frame.toldExposure().value_or(0.0) << '\n';
   groundtruth_ << t << ' ' << poseText(frame.T_world_mid) << '\n';
   exposures_ << t << ' ' << std::setprecision(6) << frame.exposure << ' ' << poseText(frame.T_world_start) << ' '
              << poseText(frame.T_world_end) << '\n';
@@ -97,14 +107,20 @@ void FolderSink::write(const SimulatedFrame& frame) {
 }
 
 void FolderSink::writeImage(const std::string& subfolder, const SimulatedFrame& frame, const cv::Mat& image) const {
-  char name[32];
-  std::snprintf(name, sizeof(name), "/%06llu.png", static_cast<unsigned long long>(frame.id));
   std::error_code error;
   fs::create_directories(folder_ + "/" + subfolder, error);
-  const std::string file = folder_ + "/" + subfolder + name;
+  const std::string file = folder_ + "/" + subfolder + fileName(frame, "png");
   if (error || !cv::imwrite(file, image, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
     throw std::runtime_error("cannot write '" + file + "'");
   }
+}
+
+void FolderSink::writeJpeg(const SimulatedFrame& frame) const {
+  const std::string file = folder_ + "/images" + fileName(frame, "jpg");
+  std::ofstream out(file, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(frame.jpeg.data()), static_cast<std::streamsize>(frame.jpeg.size()));
+  out.close();
+  if (!out) throw std::runtime_error("cannot write '" + file + "'");
 }
 
 void FolderSink::finish() {

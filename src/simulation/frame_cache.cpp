@@ -10,17 +10,12 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "mba_vo/simulation/content_hash.h"
+
 namespace mba_vo {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// FNV-1a: the same on every machine, unlike std::hash.
-std::uint64_t hashText(const std::string& text) {
-  std::uint64_t hash = 0xCBF29CE484222325ULL;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3ULL;
-  return hash;
-}
 
 std::string fileName(const std::string& folder, std::uint64_t id, const char* kind) {
   char name[48];
@@ -44,6 +39,14 @@ void writePng(const std::string& file, const cv::Mat1b& image) {
   writeAtomically(file, bytes);
 }
 
+bool readJpeg(const std::string& file, const cv::Size& size, SimulatedFrame& frame) {
+  std::ifstream in(file, std::ios::binary);
+  frame.jpeg.assign(std::istreambuf_iterator<char>(in), {});
+  if (frame.jpeg.empty()) return false;
+  frame.blurred = cv::imdecode(frame.jpeg, cv::IMREAD_UNCHANGED);
+  return frame.blurred.size() == size;
+}
+
 bool readPng(const std::string& file, const cv::Size& size, cv::Mat1b& image) {
   if (!fs::exists(file)) return false;
   image = cv::imread(file, cv::IMREAD_UNCHANGED);
@@ -60,10 +63,11 @@ bool readDepth(const std::string& file, const cv::Size& size, cv::Mat1f& depth) 
 }  // namespace
 
 FrameCache::FrameCache(const std::string& folder, const SimulationConfig& config)
-    : width_(config.width), height_(config.height), sharp_(config.sharp), depth_(config.depth) {
+    : width_(config.width), height_(config.height), sharp_(config.sharp), depth_(config.depth), jpeg_(config.jpeg > 0) {
   const std::string fingerprint = config.fingerprint();
   char name[20];
-  std::snprintf(name, sizeof(name), "%016llx", static_cast<unsigned long long>(hashText(fingerprint)));
+  std::snprintf(name, sizeof(name), "%016llx",
+                static_cast<unsigned long long>(contentHash(fingerprint.data(), fingerprint.size())));
   folder_ = folder + "/" + name;
   std::error_code error;
   fs::create_directories(folder_, error);
@@ -82,14 +86,20 @@ std::string FrameCache::defaultFolder() {
 
 bool FrameCache::load(SimulatedFrame& frame) const {
   const cv::Size size(width_, height_);
-  if (!readPng(fileName(folder_, frame.id, "blurred.png"), size, frame.blurred)) return false;
+  const bool found = jpeg_ ? readJpeg(fileName(folder_, frame.id, "blurred.jpg"), size, frame)
+                           : readPng(fileName(folder_, frame.id, "blurred.png"), size, frame.blurred);
+  if (!found) return false;
   if (sharp_ && !readPng(fileName(folder_, frame.id, "sharp.png"), size, frame.sharp)) return false;
   if (depth_ && !readDepth(fileName(folder_, frame.id, "depth.f32"), size, frame.depth)) frame.depth.release();
   return true;
 }
 
 void FrameCache::store(const SimulatedFrame& frame) const {
-  writePng(fileName(folder_, frame.id, "blurred.png"), frame.blurred);
+  if (jpeg_) {
+    writeAtomically(fileName(folder_, frame.id, "blurred.jpg"), frame.jpeg);
+  } else {
+    writePng(fileName(folder_, frame.id, "blurred.png"), frame.blurred);
+  }
   if (!frame.sharp.empty()) writePng(fileName(folder_, frame.id, "sharp.png"), frame.sharp);
   if (!frame.depth.empty()) {
     const auto* begin = frame.depth.ptr<unsigned char>();

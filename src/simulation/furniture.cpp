@@ -6,14 +6,6 @@ namespace {
 Skin wood(double gain = 1.0) { return {Pattern::kWood, 0.0015, false, gain}; }
 Skin fabric(double gain = 1.0) { return {Pattern::kFabric, 0.0015, false, gain}; }
 
-/// A side full of detail for small things.
-Skin printed(RoomBuilder& room) {
-  const Pattern patterns[] = {Pattern::kPicture, Pattern::kPicture, Pattern::kPage,
-                              Pattern::kPanel,   Pattern::kStone,   Pattern::kCarpet};
-  const Pattern pattern = patterns[room.random().uniform(0, 6)];
-  return {pattern, 0.0012, pattern != Pattern::kStone, room.uniform(0.7, 1.1)};
-}
-
 void addLegs(RoomBuilder& room, const Place& center, double width, double depth, double height) {
   for (const double x : {-0.5, 0.5}) {
     for (const double y : {-0.5, 0.5}) {
@@ -41,6 +33,13 @@ void addMonitor(RoomBuilder& room, const Place& foot) {
 }
 
 }  // namespace
+
+Skin printed(RoomBuilder& room) {
+  const Pattern patterns[] = {Pattern::kPicture, Pattern::kPicture, Pattern::kPage,
+                              Pattern::kPanel,   Pattern::kStone,   Pattern::kCarpet};
+  const Pattern pattern = patterns[room.random().uniform(0, 6)];
+  return {pattern, 0.0012, pattern != Pattern::kStone, room.uniform(0.7, 1.1)};
+}
 
 void addClutter(RoomBuilder& room, const Place& place, double width, double depth, int count) {
   for (int i = 0; i < count; ++i) {

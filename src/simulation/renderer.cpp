@@ -83,16 +83,29 @@ class ImagePath {
 
 Renderer::Renderer(std::shared_ptr<const Scene> scene, const CameraCalibration& calibration,
                    const RendererConfig& config)
-    : scene_(std::move(scene)), config_(config), rays_(calibration, config.row_time > 0.0 ? 1 : 8) {}
+    : scene_(std::move(scene)), config_(config), rays_(calibration, config.row_time > 0.0 ? 1 : 8) {
+  for (const Surface& surface : scene_->surfaces) surfaces_.push_back(&surface);
+}
 
 double Renderer::rowDelay(int row) const { return config_.row_time * (row - 0.5 * (rays_.height() - 1)); }
+
+SurfaceList Renderer::inSight(const PoseFunction& pose, double t_mid, double exposure) const {
+  if (config_.row_time <= 0.0) return surfaces_;
+  constexpr int kPoses = 17;  // so the camera hardly moves from one to the next
+  const double length = exposure + 2.0 * rowDelay(rays_.height() - 1);
+  std::vector<SE3> poses;
+  for (int i = 0; i < kPoses; ++i) poses.push_back(pose(t_mid + length * (i / (kPoses - 1.0) - 0.5)));
+  return surfacesInSight(surfaces_, poses, rays_.bounds());
+}
 
 cv::Mat1f Renderer::integrate(const PoseFunction& pose, double t_mid, double exposure) const {
   const int count = subFrames(pose, t_mid, exposure);
   const bool global_shutter = config_.row_time <= 0.0;
+  const SurfaceList surfaces = inSight(pose, t_mid, exposure);
   std::vector<View> views(global_shutter ? static_cast<std::size_t>(count) : 0);
   parallelFor(views.size(), [&](std::size_t i) {
-    views[i] = projectScene(*scene_, pose(subFrameTime(t_mid, exposure, static_cast<int>(i), count)), rays_.bounds());
+    const SE3 T_world_camera = pose(subFrameTime(t_mid, exposure, static_cast<int>(i), count));
+    views[i] = projectSurfaces(*scene_, surfaces, T_world_camera, rays_.bounds());
   });
 
   const int samples = std::max(kEdgeSamplesPerView, kEdgeSamples / count);
@@ -105,8 +118,9 @@ cv::Mat1f Renderer::integrate(const PoseFunction& pose, double t_mid, double exp
     StripWalker walker;
     View row_view;
     for (int i = 0; i < count; ++i) {
-      if (!global_shutter)
-        row_view = projectScene(*scene_, pose(subFrameTime(t_row, exposure, i, count)), strip.bounds);
+      if (!global_shutter) {
+        row_view = projectSurfaces(*scene_, surfaces, pose(subFrameTime(t_row, exposure, i, count)), strip.bounds);
+      }
       const View& view = global_shutter ? views[static_cast<std::size_t>(i)] : row_view;
       walker.walk(strip, view, [&](const RayBlock& block, std::size_t number, const Candidates& candidates) {
         float* block_sum = sum.data() + number * RayBlock::kPixels;
@@ -127,9 +141,10 @@ cv::Mat1f Renderer::integrate(const PoseFunction& pose, double t_mid, double exp
 
 cv::Mat1f Renderer::depth(const PoseFunction& pose, double t_mid) const {
   cv::Mat1f depth(rays_.height(), rays_.width());
+  const SurfaceList surfaces = inSight(pose, t_mid, 0.0);
   parallelFor(rays_.strips().size(), [&](std::size_t index) {
     const RayStrip& strip = rays_.strips()[index];
-    const View view = projectScene(*scene_, pose(t_mid + rowDelay(strip.row)), strip.bounds);
+    const View view = projectSurfaces(*scene_, surfaces, pose(t_mid + rowDelay(strip.row)), strip.bounds);
     VisibilityBuffer visibility;
     StripWalker().walk(strip, view, [&](const RayBlock& block, std::size_t, const Candidates& candidates) {
       visibility.cast(block, candidates, 0.0F, 0.0F);
@@ -148,7 +163,7 @@ int Renderer::subFrames(const PoseFunction& pose, double t_mid, double exposure)
   if (exposure <= 0.0) return 1;
   constexpr int kGrid = 16;         // [px]
   constexpr double kSafety = 1.05;  // something nearer may hide between the grid points
-  const View view = projectScene(*scene_, pose(t_mid), rays_.bounds());
+  const View view = projectSurfaces(*scene_, surfaces_, pose(t_mid), rays_.bounds());
   const ImagePath path(pose, t_mid, exposure);
   std::vector<double> longest(rays_.strips().size(), 0.0);
   parallelFor(rays_.strips().size(), [&](std::size_t index) {

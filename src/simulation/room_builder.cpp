@@ -18,13 +18,8 @@ constexpr int variants(Pattern pattern) {
   return 2;
 }
 
-/// Diffuse light of two lamps, a window and the room's own reflections at a point of a surface.
-double lightAt(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
-  struct Lamp {
-    Eigen::Vector3d position;
-    double strength;
-  };
-  const Lamp lamps[] = {{{1.1, 0.7, 2.2}, 2.2}, {{-1.3, -0.6, 2.2}, 1.8}, {{0.2, -2.0, 1.6}, 0.9}};
+/// Diffuse light of the lamps and of the room's own reflections at a point of a surface.
+double lightAt(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, const std::vector<Lamp>& lamps) {
   double light = 0.58 + 0.06 * normal.z() + 0.05 * normal.x() - 0.04 * normal.y();
   for (const Lamp& lamp : lamps) {
     const Eigen::Vector3d to_lamp = lamp.position - point;
@@ -35,7 +30,7 @@ double lightAt(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
 }
 
 /// Least-squares fit of the polynomial of Surface::light.
-std::array<float, 6> fitLight(const Surface& s, double gain) {
+std::array<float, 6> fitLight(const Surface& s, double gain, const std::vector<Lamp>& lamps) {
   constexpr int kSamples = 6;
   Eigen::Matrix<double, kSamples * kSamples, 6> terms;
   Eigen::Matrix<double, kSamples * kSamples, 1> values;
@@ -44,7 +39,7 @@ std::array<float, 6> fitLight(const Surface& s, double gain) {
     const double u = s.length_u * (i % kSamples) / (kSamples - 1);
     const double v = s.length_v * row / (kSamples - 1);
     terms.row(i) << 1.0, u, v, u * u, u * v, v * v;
-    values(i) = 255.0 * gain * lightAt(s.origin + u * s.axis_u + v * s.axis_v, s.normal());
+    values(i) = 255.0 * gain * lightAt(s.origin + u * s.axis_u + v * s.axis_v, s.normal(), lamps);
   }
   const Eigen::Matrix<double, 6, 1> fitted = terms.colPivHouseholderQr().solve(values);
   std::array<float, 6> light{};
@@ -59,7 +54,9 @@ Place Place::at(double x, double y, double z, double turn) const {
   return {origin + offset, yaw + turn};
 }
 
-RoomBuilder::RoomBuilder(int seed) : random_(0x5EED0000ULL + static_cast<std::uint64_t>(seed)) {
+RoomBuilder::RoomBuilder(int seed)
+    : random_(0x5EED0000ULL + static_cast<std::uint64_t>(seed)),
+      lamps_({{{1.1, 0.7, 2.2}, 2.2}, {{-1.3, -0.6, 2.2}, 1.8}, {{0.2, -2.0, 1.6}, 0.9}}) {  // the last is a window
   for (int i = 0; i < 8; ++i) random_.next();  // neighbouring seeds start alike
   for (int pattern = 0; pattern < kPatterns; ++pattern) {
     for (int i = 0; i < variants(static_cast<Pattern>(pattern)); ++i) {
@@ -93,7 +90,7 @@ void RoomBuilder::addRectangle(const Eigen::Vector3d& center, const Eigen::Vecto
     s.offset_u = uniform(0.0, kTextureSide);
     s.offset_v = uniform(0.0, kTextureSide);
   }
-  s.light = fitLight(s, skin.gain);
+  s.light = fitLight(s, skin.gain, lamps_);
   surfaces_.push_back(s);
 }
 
@@ -108,6 +105,14 @@ void RoomBuilder::addBox(const Place& place, const Eigen::Vector3d& size, const 
     addRectangle(center + 0.5 * side * size.y() * y, side * y, -z, size.x(), size.z(), sides);
     addRectangle(center + 0.5 * side * size.z() * z, side * z, -y, size.x(), size.y(), top);
   }
+}
+
+bool RoomBuilder::attempt(const std::function<void()>& add) {
+  const auto before = static_cast<std::ptrdiff_t>(surfaces_.size());
+  add();
+  if (!forbidden_ || std::none_of(surfaces_.begin() + before, surfaces_.end(), forbidden_)) return true;
+  surfaces_.erase(surfaces_.begin() + before, surfaces_.end());
+  return false;
 }
 
 Scene RoomBuilder::build() {

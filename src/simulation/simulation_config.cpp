@@ -4,6 +4,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mba_vo/simulation/motion_piece.h"
+
 namespace mba_vo {
 namespace {
 
@@ -36,7 +38,7 @@ struct FingerprintWriter {
     for (const double value : values) text << value << ' ';
     text << '\n';
   }
-  void operator()(const char*, bool, const char*) {}  // which images a frame carries does not change them
+  void operator()(const char* name, bool value, const char*) { text << name << '=' << value << '\n'; }
 };
 
 void checkDistortion(const std::string& model, const std::vector<double>& coefficients) {
@@ -63,13 +65,36 @@ void SimulationConfig::validate() const {
   RangeCheck check;
   describe(*this, check);
   checkDistortion(distortion_model, distortion);
-  if (exposure * rate > 1.0) {
-    throw std::invalid_argument("exposure = " + std::to_string(exposure) + " s is longer than the frame interval of " +
-                                std::to_string(1.0 / rate) + " s");
-  }
+  checkMotion();
+  checkExposures();
   if (row_time * (height - 1) * rate > 1.0) {
     throw std::invalid_argument("row_time = " + std::to_string(row_time) + " s: reading " + std::to_string(height) +
                                 " rows takes longer than the frame interval of " + std::to_string(1.0 / rate) + " s");
+  }
+}
+
+void SimulationConfig::checkMotion() const {
+  if (!motion.empty()) return;
+  if (duration == 0.0) throw std::invalid_argument("duration = 0 has a meaning only with a recorded motion");
+  if (start > 0.0) throw std::invalid_argument("start = " + std::to_string(start) + " s: there is no recorded motion");
+}
+
+void SimulationConfig::checkExposures() const {
+  const double longest = longestExposure();
+  if (longest * rate > 1.0) {
+    throw std::invalid_argument((exposure_max > 0.0 ? "exposure_max = " : "exposure = ") + std::to_string(longest) +
+                                " s is longer than the frame interval of " + std::to_string(1.0 / rate) + " s");
+  }
+  const bool varies = exposure_min > 0.0 || exposure_max > 0.0;
+  if (varies && (exposure_min <= 0.0 || exposure_min > exposure_max)) {
+    throw std::invalid_argument("exposure_min = " + std::to_string(exposure_min) + " s must be above 0 and at most " +
+                                "exposure_max = " + std::to_string(exposure_max) + " s");
+  }
+  if (varies && exposure <= 0.0) {
+    throw std::invalid_argument("exposure = 0: exposures that vary need one at which the image has its brightness");
+  }
+  if (gain_error > 0.0 && !auto_gain) {
+    throw std::invalid_argument("gain_error = " + std::to_string(gain_error) + " needs auto_gain");
   }
 }
 
@@ -95,10 +120,31 @@ PinholeCamera SimulationConfig::camera() const {
       width, height, fx, fy > 0.0 ? fy : fx, cx >= 0.0 ? cx : 0.5 * (width - 1), cy >= 0.0 ? cy : 0.5 * (height - 1)};
 }
 
+CameraCalibration SimulationConfig::toldCalibration() const {
+  CameraCalibration told = calibration();
+  told.fx *= 1.0 + calibration_focal_error;
+  told.fy *= 1.0 + calibration_focal_error;
+  told.cx += calibration_centre_error;
+  told.cy += calibration_centre_error;
+  return told;
+}
+
 std::string SimulationConfig::fingerprint() const {
   FingerprintWriter writer;
   writer.text << std::setprecision(17) << "renderer_version=" << kRendererVersion << '\n';
-  describe(*this, writer);
+  describeScene(*this, writer);
+  // Younger options count only where they are used, so that images from before them stay known.
+  SimulationConfig recording = *this;
+  recording.motion.clear();  // the poses count, not the name
+  const auto lines = [](const SimulationConfig& config) {
+    FingerprintWriter part;
+    part.text << std::setprecision(17);
+    describeRecording(config, part);
+    return part.text.str();
+  };
+  const std::string used = lines(recording);
+  if (used != lines({})) writer.text << used;
+  if (!motion.empty()) writer.text << "motion=" << std::hex << MotionPiece(*this).hash() << '\n';
   return writer.text.str();
 }
 

@@ -3,28 +3,47 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <opencv2/imgcodecs.hpp>
+
 #include "mba_vo/simulation/frame_cache.h"
-#include "mba_vo/simulation/sensor.h"
+#include "mba_vo/simulation/hand_held_motion.h"
+#include "mba_vo/simulation/motion_piece.h"
 
 namespace mba_vo {
 namespace {
 
-const SimulationConfig& checked(const SimulationConfig& config) {
-  config.validate();
-  return config;
+/// Compresses the image and shows what is left of it.
+void compress(int quality, SimulatedFrame& frame) {
+  cv::imencode(".jpg", frame.blurred, frame.jpeg, {cv::IMWRITE_JPEG_QUALITY, quality});
+  frame.blurred = cv::imdecode(frame.jpeg, cv::IMREAD_UNCHANGED);
 }
 
 }  // namespace
 
-Simulator::Simulator(const SimulationConfig& config)
-    : Simulator(config, std::make_shared<const Scene>(makeRoom(checked(config).scene_seed))) {}
+Simulator::Stage Simulator::makeStage(const SimulationConfig& config, std::shared_ptr<const Scene> scene) {
+  config.validate();
+  if (config.motion.empty()) {
+    const HandHeldMotion hand({config.trajectory_seed, config.duration, config.shake, config.path_length}, FreeSpace{});
+    if (!scene) scene = std::make_shared<const Scene>(makeRoom(config.scene_seed));
+    return {{[hand](double t) { return hand.pose(t); }, config.duration}, std::move(scene)};
+  }
+  const auto piece = std::make_shared<const MotionPiece>(config);
+  if (!scene) scene = std::make_shared<const Scene>(makeRoomAround(piece->path(), config.scene_seed));
+  return {{[piece](double t) { return piece->pose(t); }, piece->span()}, std::move(scene)};
+}
+
+Simulator::Simulator(const SimulationConfig& config) : Simulator(config, makeStage(config, nullptr)) {}
 
 Simulator::Simulator(const SimulationConfig& config, std::shared_ptr<const Scene> scene)
-    : config_(checked(config)),
-      motion_({config.trajectory_seed, config.duration, config.shake, config.path_length}, FreeSpace{}),
-      renderer_(std::move(scene), config.calibration(), {config.max_step, config.row_time}) {}
+    : Simulator(config, makeStage(config, std::move(scene))) {}
 
-int Simulator::frames() const { return static_cast<int>(std::floor(config_.duration * config_.rate + 1e-9)) + 1; }
+Simulator::Simulator(const SimulationConfig& config, Stage stage)
+    : config_(config),
+      motion_(std::move(stage.motion)),
+      exposures_(config),
+      renderer_(std::move(stage.scene), config.calibration(), {config.max_step, config.row_time}) {}
+
+int Simulator::frames() const { return static_cast<int>(std::floor(motion_.span * config_.rate + 1e-9)) + 1; }
 
 std::int64_t Simulator::stampNs(int index) const {
   const double whole = std::floor(config_.start_time);  // keeps nanoseconds exact for stamps of today
@@ -36,26 +55,25 @@ SimulatedFrame Simulator::groundTruth(int index) const {
   if (index < 0 || index >= frames()) {
     throw std::out_of_range("frame " + std::to_string(index) + " is outside 0 .. " + std::to_string(frames() - 1));
   }
-  const PoseFunction motion = [this](double t) { return pose(t); };
-  SimulatedFrame frame = describeExposure(motion, time(index), config_.exposure, static_cast<std::uint64_t>(index));
+  const double t = time(index);
+  SimulatedFrame frame = describeExposure(motion_.pose, t, exposures_.exposure(t), static_cast<std::uint64_t>(index));
   frame.mid_exposure_ns = stampNs(index);
   return frame;
 }
 
 SimulatedFrame Simulator::render(int index) const {
   SimulatedFrame frame = groundTruth(index);
-  renderImages([this](double t) { return pose(t); }, time(index), frame);
+  const double t = time(index);
+  renderImages(motion_.pose, t, sensor(exposures_.brightness(t), exposures_.gain(t)), frame);
   return frame;
 }
 
-cv::Mat1f Simulator::renderDepth(int index) const {
-  return renderer_.depth([this](double t) { return pose(t); }, time(index));
-}
+cv::Mat1f Simulator::renderDepth(int index) const { return renderer_.depth(motion_.pose, time(index)); }
 
 SimulatedFrame Simulator::renderExposure(const PoseFunction& pose, double t_mid, double exposure,
                                          std::uint64_t id) const {
   SimulatedFrame frame = describeExposure(pose, t_mid, exposure, id);
-  renderImages(pose, t_mid, frame);
+  renderImages(pose, t_mid, sensor(1.0, 1.0), frame);
   return frame;
 }
 
@@ -65,6 +83,7 @@ SimulatedFrame Simulator::describeExposure(const PoseFunction& pose, double t_mi
   frame.id = id;
   frame.mid_exposure_ns = std::llround(1e9 * t_mid);
   frame.exposure = exposure;
+  frame.exposure_hidden = config_.hide_exposure;
   frame.T_world_mid = pose(t_mid);
   frame.T_world_start = pose(t_mid - 0.5 * exposure);
   frame.T_world_end = pose(t_mid + 0.5 * exposure);
@@ -72,12 +91,17 @@ SimulatedFrame Simulator::describeExposure(const PoseFunction& pose, double t_mi
   return frame;
 }
 
-void Simulator::renderImages(const PoseFunction& pose, double t_mid, SimulatedFrame& frame) const {
-  const SensorConfig sensor{config_.gamma, config_.noise, config_.vignette, config_.brightness};
+SensorConfig Simulator::sensor(double brightness, double gain) const {
+  return {config_.gamma, gain * config_.noise, config_.vignette, brightness * config_.brightness};
+}
+
+void Simulator::renderImages(const PoseFunction& pose, double t_mid, const SensorConfig& sensor,
+                             SimulatedFrame& frame) const {
   const std::uint64_t seeds =
       static_cast<std::uint64_t>(config_.scene_seed) * 1000003ULL + static_cast<std::uint64_t>(config_.trajectory_seed);
   const std::uint64_t stream = (seeds << 32) + 2 * frame.id;
   frame.blurred = expose(renderer_.integrate(pose, t_mid, frame.exposure), sensor, stream);
+  if (config_.jpeg > 0) compress(config_.jpeg, frame);
   if (config_.sharp) frame.sharp = expose(renderer_.integrate(pose, t_mid, 0.0), sensor, stream + 1);
   if (config_.depth) frame.depth = renderer_.depth(pose, t_mid);
 }

@@ -40,20 +40,43 @@ ProjectedSurface project(const Surface& s, const Eigen::Matrix3d& R_camera_world
 
 }  // namespace
 
-View projectScene(const Scene& scene, const SE3& T_world_camera, const RayRectangle& bounds) {
+View projectSurfaces(const Scene& scene, const SurfaceList& surfaces, const SE3& T_world_camera,
+                     const RayRectangle& bounds) {
   const Eigen::Matrix3d R_camera_world = T_world_camera.rotationMatrix().transpose();
   const Eigen::Vector3d& position = T_world_camera.translation();
   View view;
-  view.reserve(scene.surfaces.size() / 2);
-  for (const Surface& surface : scene.surfaces) {
-    const double plane_distance = surface.normal().dot(position - surface.origin);
+  view.reserve(surfaces.size() / 2);
+  for (const Surface* surface : surfaces) {
+    const double plane_distance = surface->normal().dot(position - surface->origin);
     if (plane_distance < kNearestPlane) continue;
-    const ProjectedSurface projected = project(surface, R_camera_world, position, plane_distance);
+    const ProjectedSurface projected = project(*surface, R_camera_world, position, plane_distance);
     if (outside(projected, bounds)) continue;
     view.push_back(projected);
-    view.back().texture = &scene.textures[static_cast<std::size_t>(surface.texture)];
+    view.back().texture = &scene.textures[static_cast<std::size_t>(surface->texture)];
   }
   return view;
+}
+
+SurfaceList surfacesInSight(const SurfaceList& surfaces, const std::vector<SE3>& T_world_camera,
+                            const RayRectangle& bounds) {
+  constexpr double kBetween = 0.05;  // [m]
+  constexpr float kWider = 0.2F;     // what 5 cm at 0.4 m and 0.05 rad change in a ray (x, y, 1) within 50 degrees
+  const RayRectangle wide{bounds.x_min - kWider, bounds.x_max + kWider, bounds.y_min - kWider, bounds.y_max + kWider};
+  std::vector<Eigen::Matrix3d> R_camera_world;
+  for (const SE3& pose : T_world_camera) R_camera_world.push_back(pose.rotationMatrix().transpose());
+  const auto hidden = [&](const Surface& surface, std::size_t i) {
+    const Eigen::Vector3d& position = T_world_camera[i].translation();
+    const double plane_distance = surface.normal().dot(position - surface.origin);
+    if (std::abs(plane_distance) < kBetween) return false;
+    return plane_distance < 0.0 || outside(project(surface, R_camera_world[i], position, plane_distance), wide);
+  };
+  SurfaceList in_sight;
+  for (const Surface* surface : surfaces) {
+    bool seen = false;
+    for (std::size_t i = 0; i < T_world_camera.size() && !seen; ++i) seen = !hidden(*surface, i);
+    if (seen) in_sight.push_back(surface);
+  }
+  return in_sight;
 }
 
 void Candidates::add(const ProjectedSurface& surface, const RayRectangle& bounds) {

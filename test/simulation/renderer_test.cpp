@@ -164,5 +164,33 @@ TEST(Renderer, RollingShutterShearsBySpeedTimesRowTime) {
   }
 }
 
+/// A camera that turns by 6 rad/s and flies by 8 m/s, beyond anything recorded.
+SE3 violent(double t) {
+  Vector6 xi;
+  xi << 4.0, 0.0, 7.0, 0.0, 6.0, 1.0;
+  Eigen::Matrix3d R_world_camera;
+  R_world_camera << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
+  return SE3(Eigen::Quaterniond(R_world_camera), {0.2, -0.1, 1.4}) * SE3::exp(t * xi);
+}
+
+TEST(Renderer, RowsOfARollingShutterSeeAllThatTheirInstantShows) {
+  const CameraCalibration camera = smallConfig().calibration();
+  const double row_time = 2e-4;  // [s]; 24 ms for the image
+  const Renderer rolling(sharedRoom(), camera, {0.5, row_time});
+  const Renderer global(sharedRoom(), camera, {0.5, 0.0});
+  for (const double t_mid : {-0.05, 0.05}) {
+    const cv::Mat1f depth = rolling.depth(violent, t_mid);
+    const cv::Mat1f light = rolling.integrate(violent, t_mid, 0.006);
+    for (int row = 0; row < camera.height; row += 28) {
+      const double t_row = t_mid + row_time * (row - 0.5 * (camera.height - 1));
+      const cv::Mat1f true_depth = global.depth(violent, t_row).row(row);
+      EXPECT_LT(cv::norm(depth.row(row), true_depth, cv::NORM_INF), 1e-3) << "row " << row << " at " << t_mid;
+      const cv::Mat1f true_light = global.integrate(violent, t_row, 0.006).row(row);
+      EXPECT_LT(cv::norm(light.row(row), true_light, cv::NORM_L1) / camera.width, 0.3)
+          << "row " << row << " at " << t_mid;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace mba_vo

@@ -39,6 +39,22 @@ TEST(SimulationConfig, BadValuesAreNamed) {
       {"distortion_model = 'barrel'", [](auto& c) { c.distortion_model = "barrel"; }},
       {"plumb_bob takes 0, 4 or 5", [](auto& c) { c.distortion = {0.1}; }},
       {"equidistant takes 4", [](auto& c) { c.distortion_model = "equidistant"; }},
+      {"duration = 0 has a meaning only", [](auto& c) { c.duration = 0.0; }},
+      {"start = 3.000000 s: there is no recorded motion", [](auto& c) { c.start = 3.0; }},
+      {"exposure_max = 0.05", [](auto& c) { c.exposure_min = c.exposure_max = 0.05; }},
+      {"exposure_min = 0.000000 s must be above 0", [](auto& c) { c.exposure_max = 0.02; }},
+      {"exposure_min = 0.020000 s must be above 0 and at most exposure_max = 0.0100",
+       [](auto& c) {
+         c.exposure_min = 0.02;
+         c.exposure_max = 0.01;
+       }},
+      {"exposure = 0: exposures that vary",
+       [](auto& c) {
+         c.exposure = 0.0;
+         c.exposure_min = c.exposure_max = 0.01;
+       }},
+      {"gain_error = 0.100000 needs auto_gain", [](auto& c) { c.gain_error = 0.1; }},
+      {"jpeg = 101", [](auto& c) { c.jpeg = 101; }},
   };
   for (const auto& [expected, change] : cases) {
     const std::string message = messageOf(change);
@@ -73,6 +89,12 @@ TEST(SimulationConfig, FingerprintFollowsEveryValueThatChangesImages) {
       [](auto& c) { c.gamma = 2.2; },
       [](auto& c) { c.duration = 11.0; },
       [](auto& c) { c.shake = 0.5; },
+      [](auto& c) { c.exposure_min = 0.01; },
+      [](auto& c) { c.exposure_max = 0.03; },
+      [](auto& c) { c.exposure_period = 7.0; },
+      [](auto& c) { c.auto_gain = true; },
+      [](auto& c) { c.gain_error = 0.01; },
+      [](auto& c) { c.jpeg = 90; },
   };
   for (const auto& change : changes) {
     SimulationConfig config;

@@ -8,8 +8,8 @@
 
 namespace mba_vo {
 
-/// Writes a sequence folder: camera.yaml, times.txt, images/, images_sharp/ and depth/ when frames carry them,
-/// groundtruth.txt, groundtruth_exposure.txt, blur_px.txt.
+/// Writes a sequence folder: camera.yaml, times.txt (exposure 0 = the camera does not tell it), images/, images_sharp/
+/// and depth/ when frames carry them, groundtruth.txt, groundtruth_exposure.txt, blur_px.txt.
 class FolderSink : public SequenceSink {
  public:
   /// Throws std::runtime_error naming what cannot be written, also when `folder` already holds a sequence and
@@ -20,6 +20,7 @@ class FolderSink : public SequenceSink {
   void finish() override;
 
  private:
+  void writeJpeg(const SimulatedFrame& frame) const;
   void writeImage(const std::string& subfolder, const SimulatedFrame& frame, const cv::Mat& image) const;
 
   std::string folder_;

@@ -28,7 +28,7 @@ class FrameCache {
  private:
   std::string folder_;
   int width_, height_;
-  bool sharp_, depth_;
+  bool sharp_, depth_, jpeg_;
 };
 
 /// Frame `index`, from the cache if it is there.

@@ -4,6 +4,9 @@
 
 namespace mba_vo {
 
+/// A side full of detail.
+Skin printed(RoomBuilder& room);
+
 /// Pieces of furniture, each about 1.4 m wide, with its back at y = 0 of `place`.
 void addBookshelf(RoomBuilder& room, const Place& place);
 void addDesk(RoomBuilder& room, const Place& place);

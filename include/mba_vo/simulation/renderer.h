@@ -8,6 +8,7 @@
 #include "mba_vo/geometry/se3.h"
 #include "mba_vo/simulation/ray_table.h"
 #include "mba_vo/simulation/scene.h"
+#include "mba_vo/simulation/view.h"
 
 namespace mba_vo {
 
@@ -36,7 +37,11 @@ class Renderer {
  private:
   double rowDelay(int row) const;
 
+  /// What any row may see.
+  SurfaceList inSight(const PoseFunction& pose, double t_mid, double exposure) const;
+
   std::shared_ptr<const Scene> scene_;
+  SurfaceList surfaces_;  // of the scene
   RendererConfig config_;
   RayTable rays_;
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -27,6 +28,12 @@ struct Place {
   Place at(double x, double y, double z, double turn = 0.0) const;
 };
 
+/// A small lamp.
+struct Lamp {
+  Eigen::Vector3d position;  // [m, world]
+  double strength;           // light on a surface before it, at its place
+};
+
 /// Collects textured boxes and rectangles, chooses their textures and lights them.
 class RoomBuilder {
  public:
@@ -44,6 +51,14 @@ class RoomBuilder {
   void addRectangle(const Eigen::Vector3d& center, const Eigen::Vector3d& normal, const Eigen::Vector3d& down,
                     double width, double height, const Skin& skin);
 
+  /// Lamps in place of those of the small room. They light what is added from then on.
+  void setLamps(std::vector<Lamp> lamps) { lamps_ = std::move(lamps); }
+
+  /// From then on attempt() leaves out what has a surface that is `forbidden`.
+  void forbid(std::function<bool(const Surface&)> forbidden) { forbidden_ = std::move(forbidden); }
+  /// Adds what `add` adds, or nothing if a part of it is forbidden; false then.
+  bool attempt(const std::function<void()>& add);
+
   /// Paints the textures and hands the scene over.
   Scene build();
 
@@ -51,6 +66,8 @@ class RoomBuilder {
   int chooseTexture(Pattern pattern);
 
   cv::RNG random_;
+  std::vector<Lamp> lamps_;
+  std::function<bool(const Surface&)> forbidden_;
   std::vector<Surface> surfaces_;
   std::vector<std::pair<Pattern, std::uint64_t>> textures_;  // with the state of a random generator
 };

@@ -45,4 +45,9 @@ struct FreeSpace {
 /// A closed, furnished room. Nothing stands within 0.3 m of the free space.
 Scene makeRoom(int seed);
 
+/// A closed room around a camera's path, furnished along the walls and where the path leaves space; a hall, with things
+/// that suit one, where the path is long. Nothing, the floor and the ceiling included, comes within 0.4 m of the path.
+/// `path`: points at most 2.5 cm apart, their middle near x = y = 0, z > 0.45 [m, world].
+Scene makeRoomAround(const std::vector<Eigen::Vector3d>& path, int seed);
+
 }  // namespace mba_vo

@@ -6,18 +6,27 @@
 #include <string>
 
 #include "mba_vo/geometry/pinhole_camera.h"
-#include "mba_vo/simulation/hand_held_motion.h"
+#include "mba_vo/simulation/exposure_programme.h"
 #include "mba_vo/simulation/renderer.h"
+#include "mba_vo/simulation/sensor.h"
 #include "mba_vo/simulation/sequence_sink.h"
 #include "mba_vo/simulation/simulation_config.h"
 
 namespace mba_vo {
 
-/// A camera carried through a procedural room. Frames may be rendered in any order.
+/// T_world_camera over the time since the middle of the first exposure, and how long the frames go on.
+struct CameraMotion {
+  PoseFunction pose;
+  double span;  // from the first frame to the last instant for one [s]
+};
+
+/// A camera carried through a procedural room, by an invented hand or along a recorded motion. Frames may be rendered
+/// in any order.
 class Simulator {
  public:
-  /// Throws std::invalid_argument naming a value that is not allowed.
+  /// Throws std::invalid_argument naming a value that is not allowed, and as MotionPiece does.
   explicit Simulator(const SimulationConfig& config);
+  /// In a room of one's own.
   Simulator(const SimulationConfig& config, std::shared_ptr<const Scene> scene);
 
   const SimulationConfig& config() const { return config_; }
@@ -30,6 +39,7 @@ class Simulator {
   double time(int index) const { return index / config_.rate; }
   std::int64_t stampNs(int index) const;                // mid-exposure [ns]
   SE3 pose(double t) const { return motion_.pose(t); }  // T_world_camera
+  const ExposureProgramme& exposures() const { return exposures_; }
 
   /// Throws std::out_of_range for a frame that is not in the sequence.
   SimulatedFrame render(int index) const;
@@ -39,15 +49,25 @@ class Simulator {
   /// All of a frame but its images.
   SimulatedFrame groundTruth(int index) const;
 
-  /// A frame seen along any motion `pose` (T_world_camera at t [s]). `id` chooses the noise.
+  /// A frame seen along any motion `pose` (T_world_camera at t [s]), as bright as the configuration's exposure makes
+  /// it. `id` chooses the noise.
   SimulatedFrame renderExposure(const PoseFunction& pose, double t_mid, double exposure, std::uint64_t id = 0) const;
 
  private:
+  struct Stage {
+    CameraMotion motion;
+    std::shared_ptr<const Scene> scene;
+  };
+  static Stage makeStage(const SimulationConfig& config, std::shared_ptr<const Scene> scene);
+  Simulator(const SimulationConfig& config, Stage stage);
+
   SimulatedFrame describeExposure(const PoseFunction& pose, double t_mid, double exposure, std::uint64_t id) const;
-  void renderImages(const PoseFunction& pose, double t_mid, SimulatedFrame& frame) const;
+  void renderImages(const PoseFunction& pose, double t_mid, const SensorConfig& sensor, SimulatedFrame& frame) const;
+  SensorConfig sensor(double brightness, double gain) const;
 
   SimulationConfig config_;
-  HandHeldMotion motion_;
+  CameraMotion motion_;
+  ExposureProgramme exposures_;
   Renderer renderer_;
 };
 

@@ -42,8 +42,17 @@ struct ProjectedSurface {
 
 using View = std::vector<ProjectedSurface>;
 
-/// The surfaces whose front may be seen through `bounds`.
-View projectScene(const Scene& scene, const SE3& T_world_camera, const RayRectangle& bounds);
+/// Surfaces of a scene, in its order.
+using SurfaceList = std::vector<const Surface*>;
+
+/// The surfaces of a list whose front may be seen through `bounds`.
+View projectSurfaces(const Scene& scene, const SurfaceList& surfaces, const SE3& T_world_camera,
+                     const RayRectangle& bounds);
+
+/// What may be seen through `bounds` from the given poses of a path, and from those between that are within 5 cm and
+/// 0.05 rad of one of them.
+SurfaceList surfacesInSight(const SurfaceList& surfaces, const std::vector<SE3>& T_world_camera,
+                            const RayRectangle& bounds);
 
 /// Surfaces that can be seen through a rectangle of rays, the hidden ones left out where that is cheap to know.
 struct Candidates {
