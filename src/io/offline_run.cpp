@@ -69,6 +69,7 @@ class Run {
   }
 
   const Mapper& mapper() const { return odometry_->mapper(); }
+  Machine machine() const { return odometry_->machine(); }
   bool hasLearnt(const OfflineResult& result) const {
     return mapper().correction() != start_ || !(result.exposure_correction == exposure_correction_);
   }
@@ -169,6 +170,7 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
   result.trajectory = run.mapper().finishedTrajectory();
   result.points = run.mapper().points();
   result.deblurring = run.mapper().deblurCounts();
+  result.machine = run.machine();
   result.log.settle(result.trajectory);
   return result;
 }

@@ -11,6 +11,7 @@
 #include "mba_vo/io/frames_csv.h"
 #include "mba_vo/io/points_file.h"
 #include "mba_vo/io/trajectory_writer.h"
+#include "mba_vo/odometry/config_yaml.h"
 
 namespace mba_vo {
 namespace {
@@ -119,6 +120,7 @@ void writeRun(const std::string& folder, const OfflineResult& result,
   write("points.txt", [&](std::ostream& out) { writePoints(result.points, out); });
   write("frames.csv", [&](std::ostream& out) { writeFrames(result.log.frames(), out); });
   write("keyframes.csv", [&](std::ostream& out) { writeKeyframes(result.log.keyframes(), out); });
+  write("machine.yaml", [&](std::ostream& out) { writeConfig(result.machine, out); });
   write("summary.yaml", [&](std::ostream& out) { writeSummary(result, settings, out); });
 }
 

@@ -63,10 +63,12 @@ void FrameRefinement::add(const TrackedFrameConstPtr& tracked) {
   const auto known = std::find_if(waiting_.begin(), waiting_.end(), same);
   if (known != waiting_.end()) {
     *known = tracked;
-  } else if (waiting_.empty() || waiting_.back()->frame->mid_exposure_ns < tracked->frame->mid_exposure_ns) {
-    waiting_.push_back(tracked);
-    dropOldest(waiting_);
+    return;
   }
+  const auto isLater = [](std::int64_t ns, const TrackedFrameConstPtr& t) { return ns < t->frame->mid_exposure_ns; };
+  waiting_.insert(std::upper_bound(waiting_.begin(), waiting_.end(), tracked->frame->mid_exposure_ns, isLater),
+                  tracked);
+  dropOldest(waiting_);
 }
 
 void FrameRefinement::update(const LocalMap& map) {

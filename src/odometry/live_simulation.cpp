@@ -112,6 +112,7 @@ void LiveSimulation::endWork(OdometryResult& result) {
 void LiveSimulation::endTracking(OdometryResult& result) {
   const TrackerStep step = std::exchange(tracking_, std::nullopt)->step;
   if (step.message.tracked) mapper_.addFrame(step.message);
+  for (const TrackerMessage& placed : step.placed) mapper_.addFrame(placed);
   switch (step.kind) {
     case TrackerStep::Kind::kImage:
     case TrackerStep::Kind::kRejected:

@@ -37,7 +37,7 @@ Machine::MapperSeconds Machine::secondsFor(const MapperStep& step) const {
     ms += depth_search;
   }
   if (step.output.keyframe) {
-    ms += draft;
+    ms += draft + draft_per_px * step.output.keyframe->blur_length_px;
     seconds.draft = kSecondsPerMillisecond * ms;
     ms += keyframe + keyframe_per_1000 * 1e-3 * step.output.keyframe->residuals;
   }
@@ -48,7 +48,7 @@ Machine::MapperSeconds Machine::secondsFor(const MapperStep& step) const {
 Machine Machine::slowedBy(double factor) const {
   Machine slower = *this;
   for (double* time : {&slower.image, &slower.track, &slower.track_per_px, &slower.orientation, &slower.look_for_map,
-                       &slower.first_map, &slower.depth_search, &slower.draft, &slower.keyframe,
+                       &slower.first_map, &slower.depth_search, &slower.draft, &slower.draft_per_px, &slower.keyframe,
                        &slower.keyframe_per_1000, &slower.relocalize, &slower.deferred}) {
     *time *= factor;
   }

@@ -11,15 +11,13 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kUnbounded = std::numeric_limits<std::size_t>::max();  // nothing is ever shed
 
-double millisecondsSince(Clock::time_point begin) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-}
+double now() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
 
 }  // namespace
 
 Odometry::Odometry(const OdometryConfig& config, int reference_delay_frames, const PhotometricCalibration& photometric)
     : tracker_({config, photometric, kUnbounded, false}),
-      mapper_(config.mapper, kUnbounded),
+      mapper_(config.mapper, kUnbounded, [this](const MapperMessage&) { draft_time_ = now(); }),
       reference_delay_frames_(reference_delay_frames) {
   if (reference_delay_frames < 0) {
     throw std::invalid_argument("reference delay of " + std::to_string(reference_delay_frames) +
@@ -51,14 +49,14 @@ OdometryResult Odometry::finish() {
 
 void Odometry::reset() {
   tracker_.requestReset();
-  tracker_.step();
+  trackerStep(false);
   mapper_.reset();
   pending_.clear();
 }
 
 OdometryResult Odometry::processQueued(OdometryResult result) {
   while (tracker_.queuedJobs() > 0) {
-    const std::optional<TrackerStep> step = tracker_.step();
+    const std::optional<TrackerStep> step = trackerStep(false);
     if (step->began_anew) pending_.clear();
     if (step->kind != TrackerStep::Kind::kImage && step->kind != TrackerStep::Kind::kRejected) continue;
     result.images.push_back({*step, step->arrival});
@@ -82,7 +80,7 @@ std::uint64_t Odometry::nextFrame() const { return frames_ - tracker_.tracking()
 void Odometry::trackWaiting(OdometryResult& result, bool at_end) {
   while (tracker_.tracking().reference() && tracker_.queuedJobs() == 0) {
     deliverDueReferences(at_end ? std::numeric_limits<std::uint64_t>::max() : nextFrame());
-    if (const std::optional<TrackerStep> late = at_end ? tracker_.finishStep() : tracker_.step()) {
+    if (const std::optional<TrackerStep> late = trackerStep(at_end)) {
       result.late.push_back(late->message.tracked);
       map(late->message, nextFrame() - 1, result);
     } else if (tracker_.tracking().waitingFrames() == 0 || !deliverDueReferences(frames_)) {
@@ -92,9 +90,9 @@ void Odometry::trackWaiting(OdometryResult& result, bool at_end) {
 }
 
 void Odometry::map(const TrackerMessage& message, std::uint64_t frame, OdometryResult& result) {
-  const Clock::time_point begin = Clock::now();
+  const double begin = now();
   mapper_.addFrame(message);
-  while (const std::optional<MapperStep> step = mapper_.step()) {
+  while (const std::optional<MapperStep> step = mapperStep()) {
     if (step->kind != MapperStep::Kind::kFrame) continue;
     result.mapping.push_back(step->output);
     // Without delay the very next frame has it.
@@ -102,7 +100,24 @@ void Odometry::map(const TrackerMessage& message, std::uint64_t frame, OdometryR
       pending_.push_back({frame + static_cast<std::uint64_t>(reference_delay_frames_) + 1, step->reference});
     }
   }
-  result.mapping_ms += millisecondsSince(begin);
+  constexpr double kMillisecondsPerSecond = 1e3;
+  result.mapping_ms += kMillisecondsPerSecond * (now() - begin);
+}
+
+std::optional<TrackerStep> Odometry::trackerStep(bool at_end) {
+  const double begin = now();
+  std::optional<TrackerStep> step = at_end ? tracker_.finishStep() : tracker_.step();
+  if (step) meter_.add(*step, now() - begin);
+  return step;
+}
+
+std::optional<MapperStep> Odometry::mapperStep() {
+  const double begin = now();
+  std::optional<MapperStep> step = mapper_.step();
+  if (!step) return step;
+  const double end = now();
+  meter_.add(*step, end - begin, draft_time_ > begin ? std::optional<double>(draft_time_ - begin) : std::nullopt);
+  return step;
 }
 
 }  // namespace mba_vo

@@ -172,6 +172,7 @@ std::optional<TrackerStep> TrackerPipeline::trackWaiting(bool may_hold) {
   step.stamp_ns = tracked->frame->stamp_ns;
   step.mid_exposure_ns = tracked->frame->mid_exposure_ns;
   step.message = messageOf(tracked);
+  for (const TrackedFrameConstPtr& placed : loop_.takeInterpolated()) step.placed.push_back(messageOf(placed));
   step.phase = loop_.phase();
   return step;
 }

@@ -59,7 +59,11 @@ TrackedFrameConstPtr TrackingLoop::trackWaiting(bool may_hold) {
     return nullptr;
   }
   if (may_hold && scheduler_.holds(waiting_)) return nullptr;
+  const ExposureTrajectory before = frames_.state().last();
+  const std::int64_t before_ns = frames_.state().lastNs();
   const auto tracked = track(waiting_.takeFirst());
+  if (tracked->tracked()) interpolate(before, before_ns, *tracked);
+  left_out_.clear();
   if (phase_ != TrackingPhase::kRevising || tracked->tracked()) return tracked;
   leaveRevisions();
   return nullptr;
@@ -68,7 +72,31 @@ TrackedFrameConstPtr TrackingLoop::trackWaiting(bool may_hold) {
 void TrackingLoop::leaveOut(std::size_t frames) {
   const auto latest = frames_.state().lastNs() + std::llround(1e9 * kLongestPrediction);
   for (; frames > 0 && waiting_.size() > 1 && waiting_.next().frame->mid_exposure_ns <= latest; --frames) {
-    waiting_.takeFirst();
+    left_out_.push_back(waiting_.takeFirst().frame);
+  }
+}
+
+std::vector<TrackedFrameConstPtr> TrackingLoop::takeInterpolated() { return std::exchange(interpolated_, {}); }
+
+/// The frames that were left out between two that were tracked.
+void TrackingLoop::interpolate(const ExposureTrajectory& before, std::int64_t before_ns, const TrackedFrame& after) {
+  const ExposureTrajectory& end = after.trajectory;
+  const double interval = static_cast<double>(after.frame->mid_exposure_ns - before_ns);  // [ns]
+  const Vector6 way = (before.T_reference_mid.inverse() * end.T_reference_mid).log();
+  // A constant acceleration would bend the way by an eighth of the change of velocity.
+  const Vector6 bend = 1e-9 * interval / 8.0 * (end.velocity - before.velocity);
+  for (const FrameConstPtr& frame : left_out_) {
+    const double share = static_cast<double>(frame->mid_exposure_ns - before_ns) / interval;
+    const auto placed = untracked(frame, TrackingStatus::kDegraded, "left out to catch up, placed by its neighbours");
+    placed->reference = after.reference;
+    placed->trajectory = end;
+    placed->trajectory.T_reference_mid = before.T_reference_mid * SE3::exp(share * way);
+    placed->trajectory.velocity = (1.0 - share) * before.velocity + share * end.velocity;
+    placed->brightness = after.brightness;
+    placed->covariance = after.covariance;
+    placed->covariance.topLeftCorner<6, 6>() += bend * bend.transpose();
+    placed->expected_error = after.expected_error;
+    interpolated_.push_back(placed);
   }
 }
 
@@ -76,6 +104,8 @@ void TrackingLoop::reset() {
   change(PhaseEvent::kReset);
   frames_.reset();
   waiting_.clear();
+  left_out_.clear();
+  interpolated_.clear();
   recent_.clear();
   no_map_reason_ = kNoMap;
   image_check_.reset();

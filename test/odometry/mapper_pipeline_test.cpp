@@ -84,7 +84,9 @@ std::vector<SE3> posesAfter(bool asking) {
   std::vector<SE3> poses;
   for (int i = 0; i < 3; ++i) {
     follower.toNextKeyframe();
-    if (asking) EXPECT_FALSE(mapper.finishedTrajectory().empty());
+    if (asking) {
+      EXPECT_FALSE(mapper.finishedTrajectory().empty());
+    }
     mapper.doDeferredWork();
   }
   for (const TrajectoryEntry& entry : mapper.trajectory()) poses.push_back(entry.trajectory.T_reference_mid);

@@ -28,7 +28,8 @@ TEST(TrackingPhase, WhatIsNotInTheTableCannotHappen) {
   }
   for (const TrackingPhase phase : kPhases) {
     for (const PhaseEvent event : kEvents) {
-      if (rows.count({phase, event}) == 0) EXPECT_THROW(nextPhase(phase, event), std::logic_error);
+      if (rows.count({phase, event}) > 0) continue;
+      EXPECT_THROW(nextPhase(phase, event), std::logic_error);
     }
   }
 }
@@ -44,7 +45,8 @@ TEST(TrackingPhase, EveryPhaseCanBeReachedAndLeft) {
   EXPECT_EQ(reached.size(), std::size(kPhases));
   for (const TrackingPhase phase : kPhases) {
     EXPECT_EQ(nextPhase(phase, PhaseEvent::kReset), TrackingPhase::kNoMap);
-    if (phase != TrackingPhase::kNoMap) EXPECT_EQ(nextPhase(phase, PhaseEvent::kMapClosed), TrackingPhase::kNoMap);
+    if (phase == TrackingPhase::kNoMap) continue;
+    EXPECT_EQ(nextPhase(phase, PhaseEvent::kMapClosed), TrackingPhase::kNoMap);
   }
 }
 

@@ -54,6 +54,7 @@ struct OfflineResult {
   bool stopped_to_restart = false;
   int restarts = 0;           // of the run, each with what was learnt about the camera
   ExposureEstimate exposure;  // the latest
+  Machine machine;            // that it ran on, as measured, or as described for a live run
 };
 
 /// Called after every image with the number of images done.

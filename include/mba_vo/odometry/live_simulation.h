@@ -21,6 +21,7 @@ class LiveSimulation : public OdometryRun {
   OdometryResult process(const CameraImage& image) override;
   OdometryResult finish() override;
   const Mapper& mapper() const override { return mapper_.mapper(); }
+  Machine machine() const override { return machine_; }
 
  private:
   struct TrackerWork {

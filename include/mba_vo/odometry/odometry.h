@@ -4,6 +4,7 @@
 #include <deque>
 #include <vector>
 
+#include "mba_vo/odometry/machine_meter.h"
 #include "mba_vo/odometry/mapper_pipeline.h"
 #include "mba_vo/odometry/tracker_pipeline.h"
 
@@ -39,6 +40,8 @@ class OdometryRun {
   virtual OdometryResult finish() = 0;
   /// Knows the map and the trajectory.
   virtual const Mapper& mapper() const = 0;
+  /// The machine that it ran on, as measured or as described.
+  virtual Machine machine() const = 0;
 };
 
 /// The ideal machine: no work takes any time, and every frame is dealt with before the next one comes. The mapper's
@@ -55,6 +58,7 @@ class Odometry : public OdometryRun {
   OdometryResult process(const FrameConstPtr& frame);
   OdometryResult finish() override;
   const Mapper& mapper() const override { return mapper_.mapper(); }
+  Machine machine() const override { return meter_.machine(); }
 
   /// Begins anew, with another map; the trajectory keeps what was found so far.
   void reset();
@@ -71,8 +75,12 @@ class Odometry : public OdometryRun {
   std::uint64_t nextFrame() const;  // to be tracked
   void trackWaiting(OdometryResult& result, bool at_end);
   void map(const TrackerMessage& message, std::uint64_t frame, OdometryResult& result);
+  std::optional<TrackerStep> trackerStep(bool at_end);
+  std::optional<MapperStep> mapperStep();
 
   TrackerPipeline tracker_;
+  MachineMeter meter_;
+  double draft_time_ = 0.0;  // when the last draft was sent [s]
   MapperPipeline mapper_;
   int reference_delay_frames_;
   std::uint64_t frames_ = 0;  // processed so far

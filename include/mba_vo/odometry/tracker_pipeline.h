@@ -34,11 +34,12 @@ struct TrackerStep {
   double arrival = 0.0;              // when it came in, as it was told [s]
   std::optional<double> exposure;    // that it came with, if it can be true [s]
   bool exposure_from_topic = false;
-  std::string reason;                           // why it was rejected, or what is wrong with it; or why all was reset
-  bool contradicts_calibration = false;         // rejected because it is not of the calibration's size or kind
-  bool began_anew = false;                      // what went before has been forgotten first
-  double build_ms = 0.0;                        // time taken to make a frame of the image
-  TrackerMessage message;                       // for the mapper half; without `tracked` there is none
+  std::string reason;                    // why it was rejected, or what is wrong with it; or why all was reset
+  bool contradicts_calibration = false;  // rejected because it is not of the calibration's size or kind
+  bool began_anew = false;               // what went before has been forgotten first
+  double build_ms = 0.0;                 // time taken to make a frame of the image
+  std::vector<TrackerMessage> placed;  // further ones, for the mapper half, after `message`: frames that were left out
+  TrackerMessage message;              // for the mapper half; without `tracked` there is none
   TrackingPhase phase = TrackingPhase::kNoMap;  // afterwards
   SE3 T_odom_camera;                            // at mid-exposure, of an image with a pose
   SE3 T_map_odom;

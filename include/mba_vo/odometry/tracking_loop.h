@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "mba_vo/odometry/config.h"
 #include "mba_vo/odometry/frame_tracking.h"
@@ -40,6 +41,9 @@ class TrackingLoop {
   std::int64_t newestWaitingNs() const { return waiting_.empty() ? 0 : waiting_.back().frame->mid_exposure_ns; }
   /// Leaves out the oldest of those that wait, but never so many that the next one could not be predicted any more.
   void leaveOut(std::size_t frames);
+  /// Those left out since the last call, if the next one was tracked: placed between their neighbours, for the mapper,
+  /// which tracks them when it has time.
+  std::vector<TrackedFrameConstPtr> takeInterpolated();
 
   /// Forgets the reference and the prior.
   void reset();
@@ -65,6 +69,7 @@ class TrackingLoop {
   void trackOrientation(TrackedFrame& result);
   TrackedFrameConstPtr trackAhead(const FrameConstPtr& frame);
   void leaveRevisions();
+  void interpolate(const ExposureTrajectory& before, std::int64_t before_ns, const TrackedFrame& after);
   std::shared_ptr<TrackedFrame> track(const WaitingFrame& next);
   void change(PhaseEvent event) { phase_ = nextPhase(phase_, event); }
 
@@ -75,9 +80,11 @@ class TrackingLoop {
   ImageCheck image_check_;
   double longest_wait_;  // [s]
   WaitingFrames waiting_;
-  RecentFrames recent_;      // before those that wait
-  TrackingState newest_;     // while revising: by first results
-  double worst_need_ = 0.0;  // of the frames being revised, when they were tracked before
+  std::vector<FrameConstPtr> left_out_;             // after the last tracked frame
+  std::vector<TrackedFrameConstPtr> interpolated_;  // not taken yet
+  RecentFrames recent_;                             // before those that wait
+  TrackingState newest_;                            // while revising: by first results
+  double worst_need_ = 0.0;                         // of the frames being revised, when they were tracked before
   std::string no_map_reason_;
   std::optional<SE3> T_odom_first_;  // of the first frame without a map
 };

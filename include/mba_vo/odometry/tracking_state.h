@@ -26,6 +26,7 @@ class TrackingState {
   /// Where the camera would be if it went on moving as it last did.
   SE3 constantVelocityAt(std::int64_t mid_exposure_ns) const { return motion_.constantVelocityAt(mid_exposure_ns); }
 
+  const ExposureTrajectory& last() const { return motion_.last(); }
   const SE3& T_reference_last() const { return motion_.last().T_reference_mid; }
   std::int64_t lastNs() const { return motion_.lastNs(); }
 

@@ -97,6 +97,7 @@ bool TrackerWorker::step() {
   if (step->message.tracked) {
     extrinsic_.setCamera(step->message.mount.camera_frame);
     forward(step->message);
+    for (const TrackerMessage& placed : step->placed) forward(placed);
   }
   if (step->kind == TrackerStep::Kind::kImage) {
     publishImage(*step);

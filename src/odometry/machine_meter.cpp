@@ -1,0 +1,91 @@
+#include "mba_vo/odometry/machine_meter.h"
+
+#include <algorithm>
+
+namespace mba_vo {
+namespace {
+
+constexpr double kMillisecondsPerSecond = 1e3;
+constexpr double kThousand = 1e3;
+
+}  // namespace
+
+void MachineMeter::Fit::add(double ms, double x) {
+  ++count_;
+  t_ += ms;
+  x_ += x;
+  xx_ += x * x;
+  xt_ += x * ms;
+}
+
+double MachineMeter::Fit::mean() const { return count_ > 0 ? t_ / static_cast<double>(count_) : 0.0; }
+
+double MachineMeter::Fit::slope() const {
+  const double n = static_cast<double>(count_);
+  const double spread = n * xx_ - x_ * x_;
+  return spread > 0.0 ? std::max(0.0, (n * xt_ - x_ * t_) / spread) : 0.0;
+}
+
+double MachineMeter::Fit::offset() const {
+  return count_ > 0 ? std::max(0.0, mean() - slope() * x_ / static_cast<double>(count_)) : 0.0;
+}
+
+void MachineMeter::add(const TrackerStep& step, double seconds) {
+  const double ms = kMillisecondsPerSecond * seconds;
+  if (step.build_ms > 0.0) image_.add(step.build_ms);
+  const TrackedFrameConstPtr& tracked = step.message.tracked;
+  if (!tracked) return;
+  if (tracked->tracked()) track_.add(ms - step.build_ms, tracked->measures.blur_length_px);
+  if (tracked->orientation_only) orientation_.add(ms - step.build_ms);
+}
+
+void MachineMeter::add(const MapperStep& step, double seconds, std::optional<double> draft_seconds) {
+  const double ms = kMillisecondsPerSecond * seconds;
+  if (step.kind == MapperStep::Kind::kDeferred) return deferred_.add(ms);
+  if (step.kind != MapperStep::Kind::kFrame) return;
+  const TrackedFrame& tracked = *step.cause.tracked;
+  if (step.output.keyframe) {
+    if (draft_seconds) addKeyframe(step, ms, kMillisecondsPerSecond * *draft_seconds);
+  } else if (step.output.reference && step.output.reference->cause == ReferenceCause::kMapBegins) {
+    first_map_.add(ms);
+  } else if (tracked.status == TrackingStatus::kInitializing) {
+    if (!step.cause.has_reference) look_for_map_.add(ms);
+  } else if (tracked.status == TrackingStatus::kLost) {
+    if (!tracked.blind) relocalize_.add(ms);
+  } else if (!tracked.provisional) {
+    depth_search_.add(ms);
+  }
+}
+
+/// The frame that a keyframe comes with has its depths searched first, as others have.
+void MachineMeter::addKeyframe(const MapperStep& step, double ms, double draft_ms) {
+  draft_.add(std::max(0.0, draft_ms - depth_search_.mean()), step.output.keyframe->blur_length_px);
+  keyframe_.add(ms - draft_ms, step.output.keyframe->residuals / kThousand);
+}
+
+Machine MachineMeter::machine(const Machine& otherwise) const {
+  Machine machine = otherwise;
+  const auto take = [](const Fit& fit, double& mean) {
+    if (!fit.empty()) mean = fit.mean();
+  };
+  take(image_, machine.image);
+  take(orientation_, machine.orientation);
+  take(look_for_map_, machine.look_for_map);
+  take(first_map_, machine.first_map);
+  take(depth_search_, machine.depth_search);
+  take(relocalize_, machine.relocalize);
+  take(deferred_, machine.deferred);
+  if (!track_.empty()) {
+    machine.track = track_.offset();
+    machine.track_per_px = track_.slope();
+  }
+  if (!keyframe_.empty()) {
+    machine.draft = draft_.offset();
+    machine.draft_per_px = draft_.slope();
+    machine.keyframe = keyframe_.offset();
+    machine.keyframe_per_1000 = keyframe_.slope();
+  }
+  return machine;
+}
+
+}  // namespace mba_vo

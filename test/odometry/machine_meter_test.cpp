@@ -1,0 +1,108 @@
+#include "mba_vo/odometry/machine_meter.h"
+
+#include <memory>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "mba_vo/odometry/config_yaml.h"
+
+namespace mba_vo {
+namespace {
+
+TrackerStep imageStep(TrackingStatus status, double blur_px) {
+  auto tracked = std::make_shared<TrackedFrame>();
+  tracked->frame = std::make_shared<Frame>();
+  tracked->status = status;
+  tracked->measures.blur_length_px = blur_px;
+  TrackerStep step;
+  step.kind = TrackerStep::Kind::kImage;
+  step.message.tracked = tracked;
+  return step;
+}
+
+MapperStep frameStep(TrackingStatus status, int residuals = 0) {
+  MapperStep step;
+  step.kind = MapperStep::Kind::kFrame;
+  step.cause = imageStep(status, 0.0).message;
+  if (residuals > 0) {
+    step.output.keyframe = KeyframeReport();
+    step.output.keyframe->residuals = residuals;
+    step.output.keyframe->blur_length_px = 1e-3 * residuals;
+  }
+  return step;
+}
+
+Machine made() {
+  Machine machine;
+  machine.image = 5.0;
+  machine.track = 3.0;
+  machine.track_per_px = 0.5;
+  machine.look_for_map = 20.0;
+  machine.depth_search = 4.0;
+  machine.draft = 10.0;
+  machine.draft_per_px = 0.7;
+  machine.keyframe = 15.0;
+  machine.keyframe_per_1000 = 2.0;
+  machine.relocalize = 30.0;
+  machine.deferred = 8.0;
+  return machine;
+}
+
+/// Steps that take as long as on that machine.
+MachineMeter metered(const Machine& machine) {
+  MachineMeter meter;
+  for (const double blur_px : {0.0, 4.0, 10.0, 30.0}) {
+    TrackerStep step = imageStep(TrackingStatus::kTracking, blur_px);
+    step.build_ms = machine.image;
+    meter.add(step, machine.secondsFor(step));
+  }
+  for (const TrackingStatus status :
+       {TrackingStatus::kInitializing, TrackingStatus::kTracking, TrackingStatus::kLost}) {
+    const MapperStep step = frameStep(status);
+    meter.add(step, machine.secondsFor(step).total, std::nullopt);
+  }
+  for (const int residuals : {1000, 5000, 20000}) {
+    const MapperStep step = frameStep(TrackingStatus::kTracking, residuals);
+    const Machine::MapperSeconds seconds = machine.secondsFor(step);
+    meter.add(step, seconds.total, seconds.draft);
+  }
+  MapperStep deferred;
+  deferred.kind = MapperStep::Kind::kDeferred;
+  meter.add(deferred, machine.secondsFor(deferred).total, std::nullopt);
+  return meter;
+}
+
+TEST(MachineMeter, FindsTheMachineThatItWasMeasuredOn) {
+  const Machine found = metered(made()).machine();
+  EXPECT_NEAR(found.image, 5.0, 1e-9);
+  EXPECT_NEAR(found.track, 3.0, 1e-9);
+  EXPECT_NEAR(found.track_per_px, 0.5, 1e-9);
+  EXPECT_NEAR(found.look_for_map, 20.0, 1e-9);
+  EXPECT_NEAR(found.depth_search, 4.0, 1e-9);
+  EXPECT_NEAR(found.draft, 10.0, 1e-9);
+  EXPECT_NEAR(found.draft_per_px, 0.7, 1e-9);
+  EXPECT_NEAR(found.keyframe, 15.0, 1e-9);
+  EXPECT_NEAR(found.keyframe_per_1000, 2.0, 1e-9);
+  EXPECT_NEAR(found.relocalize, 30.0, 1e-9);
+  EXPECT_NEAR(found.deferred, 8.0, 1e-9);
+  EXPECT_EQ(found.first_map, Machine().first_map) << "there was none";
+}
+
+TEST(MachineMeter, TwiceAsSlowIsTwiceAsSlow) {
+  const Machine found = metered(made().slowedBy(2.0)).machine();
+  EXPECT_NEAR(found.track_per_px, 1.0, 1e-9);
+  EXPECT_NEAR(found.keyframe_per_1000, 4.0, 1e-9);
+}
+
+TEST(Machine, IsWrittenAndReadAsYaml) {
+  std::stringstream text;
+  writeConfig(made(), text);
+  Machine read;
+  readConfig(YAML::Load(text.str()), read);
+  EXPECT_EQ(read.keyframe, made().keyframe);
+  EXPECT_EQ(read.relocalize, made().relocalize);
+}
+
+}  // namespace
+}  // namespace mba_vo
