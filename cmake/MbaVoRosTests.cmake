@@ -29,7 +29,8 @@ function(mba_vo_rostest name)
   add_dependencies(${node} mba_vo_nodelets)
   add_test(NAME mba_vo_rostest_${name} COMMAND ${PYTHON_EXECUTABLE} ${MBA_VO_ROSTEST} --text
     ${ros_test_folder}/${name}.test ${ARG_ARGS})
-  set_tests_properties(mba_vo_rostest_${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT "${ros_test_environment}")
+  # By itself: it plays a bag at real speed.
+  set_tests_properties(mba_vo_rostest_${name} PROPERTIES RUN_SERIAL TRUE TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT "${ros_test_environment}")
 endfunction()
 
 mba_vo_rostest(bad_input TIMEOUT 320)

@@ -6,7 +6,9 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kLongestCatchUp = 1.0;  // [s] after which no frame shall wait: half of what users were promised
+constexpr double kLeastTime = 0.1;  // [s] until the pace is known: three images at 30 Hz
+constexpr double kLongestCatchUp = 2.0;  // [s] after which no frame shall wait
+constexpr double kMostLeftOut = 2.0;     // frames for each one that is tracked: with more, maps are lost on shaken starts
 
 }  // namespace
 
@@ -17,10 +19,10 @@ std::size_t CatchUpPace::framesToLeaveOut(std::size_t waiting, std::int64_t newe
   }
   const double elapsed = 1e-9 * static_cast<double>(newest_ns - *begin_ns_);  // [s]
   const std::size_t tracked = tracked_++;
-  if (tracked == 0 || !(elapsed > 0.0)) return 0;
+  if (elapsed < kLeastTime) return 0;
   const double can_be_tracked = static_cast<double>(tracked) / elapsed * std::max(0.0, kLongestCatchUp - elapsed);
   const double stride = std::ceil(static_cast<double>(waiting) / std::max(1.0, can_be_tracked));
-  return static_cast<std::size_t>(stride) - 1;
+  return static_cast<std::size_t>(std::min(stride - 1.0, kMostLeftOut));
 }
 
 }  // namespace mba_vo

@@ -81,6 +81,14 @@ std::shared_ptr<TrackedFrame> FrameTracking::trackAhead(const FrameConstPtr& giv
   return tracked;
 }
 
+double FrameTracking::imageSpeed() const {
+  double inverse_depths = 0.0;
+  for (const ReferencePoint& point : reference_->points) inverse_depths += static_cast<double>(point.inverse_depth);
+  const double mean = reference_->points.empty() ? 0.0 : inverse_depths / static_cast<double>(reference_->points.size());
+  const Vector6& v = state_.last().velocity;
+  return reference_->pyramid->level(0).camera.fx * (v.tail<3>().norm() + mean * v.head<3>().norm());
+}
+
 std::optional<SE3> FrameTracking::predicted_T_odom_camera(std::int64_t mid_exposure_ns) const {
   if (!reference_ || !lost_.lost()) return std::nullopt;
   return T_odom_reference_ * state_.constantVelocityAt(mid_exposure_ns);

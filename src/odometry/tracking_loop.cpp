@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kMapperTime = 1.0;       // [s] frames wait for so much longer than the initialiser keeps them
 constexpr double kLongestRevision = 1.0;  // [s] of frames that are tracked once more while new ones come
+constexpr double kLongestJump = 24.0;     // [px] of the image from a tracked frame to the next, if any are left out
 constexpr double kUnknownVariance = 1e6;  // of a position that nothing has measured [m^2]
 constexpr const char* kNoMap = "no map yet";
 
@@ -70,7 +71,8 @@ TrackedFrameConstPtr TrackingLoop::trackWaiting(bool may_hold) {
 }
 
 void TrackingLoop::leaveOut(std::size_t frames) {
-  const auto latest = frames_.state().lastNs() + std::llround(1e9 * kLongestPrediction);
+  const double longest = std::min(kLongestPrediction, kLongestJump / std::max(1.0, frames_.imageSpeed()));  // [s]
+  const auto latest = frames_.state().lastNs() + std::llround(1e9 * longest);
   for (; frames > 0 && waiting_.size() > 1 && waiting_.next().frame->mid_exposure_ns <= latest; --frames) {
     left_out_.push_back(waiting_.takeFirst().frame);
   }

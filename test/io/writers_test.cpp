@@ -112,6 +112,7 @@ TEST(RunWriter, WritesAllFilesAndAReadableSummary) {
   result.times.cpu = 3.0;
   PublishedImage rejected;
   rejected.step.kind = TrackerStep::Kind::kRejected;
+  rejected.step.sequence = 9;
   result.log.add({{rejected}, {}, {}, 0.0});
   result.log.settle(result.trajectory);
   writeRun(folder.file("new/run"), result, {{"sequence", "C:\\my \"room\""}});

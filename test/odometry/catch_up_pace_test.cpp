@@ -9,26 +9,32 @@ namespace {
 
 constexpr double kRate = 30.0;  // images a second
 
-/// Seconds of images until nothing waits, if that many can be tracked a second; `left_out`: of those that waited.
-double catchUp(double tracked_per_second, double waiting, double* left_out) {
+struct CaughtUp {
+  double seconds = 0.0;  // until nothing waited
+  int left_out = 0;      // of the frames that waited
+};
+
+/// From `waiting` frames on, if that many can be tracked a second.
+CaughtUp catchUp(double tracked_per_second, int waiting) {
   CatchUpPace pace;
-  *left_out = 0.0;
-  double seconds = 0.0;
-  for (; waiting > 0.0 && seconds < 10.0; seconds += 1.0 / tracked_per_second) {
-    // Images come at their rate, whole ones.
-    const auto newest_ns = static_cast<std::int64_t>(1e9 / kRate * static_cast<int>(kRate * seconds));
-    const double out = std::min(
-        waiting - 1.0, static_cast<double>(pace.framesToLeaveOut(static_cast<std::size_t>(waiting), newest_ns)));
-    *left_out += std::max(0.0, out);
-    waiting += kRate / tracked_per_second - 1.0 - std::max(0.0, out);
+  CaughtUp result;
+  int images = 0;  // that came meanwhile
+  for (int tracked = 1; result.seconds < 10.0; ++tracked) {
+    const auto newest_ns = static_cast<std::int64_t>(1e9 / kRate * images);
+    const auto out = static_cast<int>(pace.framesToLeaveOut(static_cast<std::size_t>(waiting), newest_ns));
+    result.left_out += out;
+    result.seconds = tracked / tracked_per_second;
+    waiting -= out + 1;
+    if (waiting <= 0) break;
+    for (; images < kRate * result.seconds; ++images) ++waiting;
   }
-  return seconds;
+  return result;
 }
 
 TEST(CatchUpPace, AFastMachineLeavesNothingOut) {
-  double left_out = 0.0;
-  EXPECT_LT(catchUp(100.0, 50.0, &left_out), 0.8);
-  EXPECT_EQ(left_out, 0.0);
+  const CaughtUp fast = catchUp(120.0, 50);
+  EXPECT_LT(fast.seconds, 0.8);
+  EXPECT_EQ(fast.left_out, 0);
 }
 
 TEST(CatchUpPace, WhereNoTimePassesNothingIsLeftOut) {
@@ -38,9 +44,9 @@ TEST(CatchUpPace, WhereNoTimePassesNothingIsLeftOut) {
 
 TEST(CatchUpPace, HoweverSlowTheMachineItComesToAnEnd) {
   for (const double tracked_per_second : {70.0, 40.0, 31.0, 25.0, 15.0, 8.0}) {
-    double left_out = 0.0;
-    EXPECT_LT(catchUp(tracked_per_second, 50.0, &left_out), 1.3) << tracked_per_second;
-    EXPECT_GT(left_out, 0.0) << tracked_per_second;
+    const CaughtUp slow = catchUp(tracked_per_second, 50);
+    EXPECT_LT(slow.seconds, 1.3) << tracked_per_second;
+    EXPECT_GT(slow.left_out, 0) << tracked_per_second;
   }
 }
 

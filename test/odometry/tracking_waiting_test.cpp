@@ -48,6 +48,7 @@ TEST(TrackingLoop, WaitingFramesHoldForTheKeyframeTheyAskedFor) {
   EXPECT_EQ(loop.waitingFrames(), static_cast<std::size_t>(11 - next));
   // A better image of the keyframe in use is not the keyframe that was asked for.
   const auto sharper = makeReference(1, 0, 0, SE3(), {});
+  sharper->cause = ReferenceCause::kSharperImage;
   EXPECT_TRUE(loop.take(sharper));
   EXPECT_EQ(loop.reference(), sharper);
   EXPECT_EQ(loop.trackWaiting(), nullptr);

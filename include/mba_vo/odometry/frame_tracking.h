@@ -47,6 +47,9 @@ class FrameTracking {
   /// Aligns a frame from what `newest` tells, which goes on from it, while state() stays. Null if it is lost.
   std::shared_ptr<TrackedFrame> trackAhead(const FrameConstPtr& given, TrackingState& newest);
 
+  /// How fast the image moves, by the last frame: of points at the mean depth of the reference's [px/s].
+  double imageSpeed() const;
+
   /// Camera to odom at mid-exposure of the last frame with a pose; never rewritten.
   const SE3& T_odom_camera() const { return T_odom_camera_; }
   /// Without a map the odometry may turn with the camera.

@@ -39,7 +39,7 @@ class TrackingLoop {
   TrackedFrameConstPtr trackWaiting(bool may_hold = true);
   std::size_t waitingFrames() const { return waiting_.size(); }
   std::int64_t newestWaitingNs() const { return waiting_.empty() ? 0 : waiting_.back().frame->mid_exposure_ns; }
-  /// Leaves out the oldest of those that wait, but never so many that the next one could not be predicted any more.
+  /// Leaves out the oldest of those that wait, but never so many that the image has moved too far for the next.
   void leaveOut(std::size_t frames);
   /// Those left out since the last call, if the next one was tracked: placed between their neighbours, for the mapper,
   /// which tracks them when it has time.

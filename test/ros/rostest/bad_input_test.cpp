@@ -199,11 +199,11 @@ TEST_F(BadInput, ExposureThatCannotBeIsTreatedAsUnknown) {
   ASSERT_TRUE(done());
   const Outputs outputs = odometry_->outputs();
   ASSERT_EQ(outputs.tracked_frame.size(), 5U);
-  EXPECT_DOUBLE_EQ(outputs.tracked_frame[0]->tracked->frame->exposure.value(), 0.01);
+  EXPECT_DOUBLE_EQ(outputs.tracked_frame[0]->message.tracked->frame->exposure.value(), 0.01);
   for (const std::size_t i : {1U, 2U, 3U}) {
-    EXPECT_FALSE(outputs.tracked_frame[i]->tracked->frame->exposure.has_value()) << i;
+    EXPECT_FALSE(outputs.tracked_frame[i]->message.tracked->frame->exposure.has_value()) << i;
   }
-  EXPECT_DOUBLE_EQ(outputs.tracked_frame[4]->tracked->frame->exposure.value(), 0.01);
+  EXPECT_DOUBLE_EQ(outputs.tracked_frame[4]->message.tracked->frame->exposure.value(), 0.01);
 }
 
 TEST_F(BadInput, NoImageForAWhile) {

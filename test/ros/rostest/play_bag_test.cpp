@@ -206,13 +206,24 @@ TEST_F(PlayBag, NodeletsShareMemory) {
   ASSERT_FALSE(outputs_->reference.empty());
   std::set<const ImagePyramid*> frames;
   for (const auto& message : outputs_->tracked_frame) {
-    ASSERT_NE(message->tracked, nullptr) << "tracked_frame was serialised";
-    frames.insert(&message->tracked->frame->pyramid);
+    ASSERT_NE(message->message.tracked, nullptr) << "tracked_frame was serialised";
+    frames.insert(&message->message.tracked->frame->pyramid);
   }
   for (const auto& message : outputs_->reference) {
     ASSERT_NE(message->reference, nullptr) << "reference was serialised";
     // The mapper's keyframe is the very image that the tracker made, at the same address.
     EXPECT_EQ(frames.count(message->reference->pyramid.get()), 1U);
+  }
+}
+
+TEST_F(PlayBag, WhatIsPublishedIsAccurateAndWrittenDown) {
+  const std::string folder = stringParameter(std::string(kNamespace) + "/output_directory");
+  for (const char* file : {"/online_trajectory.txt", "/online_odometry.txt"}) {
+    const std::vector<PoseRecord> published = readPoseFile(folder + file);
+    EXPECT_EQ(published.size(), outputs_->pose.size()) << file;
+    const EvaluationReport report = evaluateTrajectory(sequence_->groundtruth, published, {}, {});
+    RecordProperty(std::string("ate_mm") + file, std::to_string(1e3 * report.absolute.rmse));
+    EXPECT_LT(report.absolute.rmse, 0.02) << file;
   }
 }
 
