@@ -5,8 +5,16 @@
 namespace mba_vo {
 
 void DeferredTracking::begin(std::shared_ptr<const InitialMap> initial, const MotionState& start,
-                             const std::vector<FrameConstPtr>& frames, const ReferenceConstPtr& first_keyframe) {
-  backward_.emplace(config_, std::move(initial), start, frames, first_keyframe);
+                             const std::vector<FrameConstPtr>& frames, std::int64_t until_ns,
+                             const ReferenceConstPtr& first_keyframe) {
+  const std::int64_t origin_ns = initial->reference->mid_exposure_ns;
+  std::deque<FrameConstPtr> before, after;
+  for (const FrameConstPtr& frame : frames) {
+    if (frame->mid_exposure_ns < origin_ns) before.push_front(frame);
+    if (frame->mid_exposure_ns > origin_ns && frame->mid_exposure_ns <= until_ns) after.push_back(frame);
+  }
+  backward_.emplace(config_, initial, start, std::move(before), first_keyframe);
+  forward_.emplace(config_, initial, start, std::move(after), first_keyframe);
 }
 
 void DeferredTracking::add(const TrackedFrameConstPtr& tracked) {
@@ -15,17 +23,26 @@ void DeferredTracking::add(const TrackedFrameConstPtr& tracked) {
 
 void DeferredTracking::update(const LocalMap& map) {
   if (backward_) backward_->update(map);
+  if (forward_) forward_->update(map);
   refinement_.update(map);
 }
 
 void DeferredTracking::reset() {
   backward_.reset();
+  forward_.reset();
   refinement_.reset();
 }
 
+OutwardTracking* DeferredTracking::outward() {
+  if (forward_ && !forward_->done()) return &*forward_;
+  if (backward_ && !backward_->done()) return &*backward_;
+  return nullptr;
+}
+
 bool DeferredTracking::doNext(const LocalMap& map, TrajectoryStore& store) {
-  if (hasFramesBefore() && backward_->isReady(map)) {
-    trackBackwards(store);
+  OutwardTracking* const next = outward();
+  if (next && next->isReady(map)) {
+    track(*next, store);
   } else if (!refinement_.done()) {
     refine(map, store);
   } else {
@@ -35,13 +52,13 @@ bool DeferredTracking::doNext(const LocalMap& map, TrajectoryStore& store) {
 }
 
 void DeferredTracking::finish(const LocalMap& map, TrajectoryStore& store) {
-  while (hasFramesBefore()) trackBackwards(store);
+  while (OutwardTracking* const next = outward()) track(*next, store);
   refinement_.finish(map);
   while (!refinement_.done()) refine(map, store);
 }
 
-void DeferredTracking::trackBackwards(TrajectoryStore& store) {
-  const TrackedFrame tracked = backward_->next();
+void DeferredTracking::track(OutwardTracking& outward, TrajectoryStore& store) {
+  const TrackedFrame tracked = outward.next();
   if (tracked.tracked()) store.addFrame(tracked);
 }
 

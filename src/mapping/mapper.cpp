@@ -28,8 +28,8 @@ class Mapper::Impl {
         deferred_(config),
         deblurring_(config, std::move(deblurrer)) {}
 
-  MapperOutput process(const TrackedFrameConstPtr& frame) {
-    if (!map_) return frame->blind ? MapperOutput() : initialize(frame->frame);
+  MapperOutput process(const TrackedFrameConstPtr& frame, bool has_time) {
+    if (!map_) return frame->blind || !has_time ? MapperOutput() : initialize(frame->frame);
     if (frame->frame->mid_exposure_ns <= last_.mid_exposure_ns) return revise(frame);
     // A tracker that was lost for so long that it gave up its reference reports INITIALIZING.
     if (frame->status == TrackingStatus::kLost || (recovery_.isLost() && !frame->tracked())) return handleLost(*frame);
@@ -42,7 +42,7 @@ class Mapper::Impl {
       store_.addFrame(*frame);
       return {};
     }
-    return refine(frame);
+    return refine(frame, has_time);
   }
 
   bool doDeferredWork() { return map_ && deferred_.doNext(*map_, store_); }
@@ -136,17 +136,20 @@ class Mapper::Impl {
     return output;
   }
 
-  /// The first reference, with a hint about its own frame: the tracker goes on from there with the frames that had to
-  /// wait. Those that came before are tracked backwards when there is time.
+  /// The first reference, with a hint about the newest frame whose pose the initialiser knows: the tracker goes on from
+  /// there. Those that came before are tracked, for the trajectory, when there is time.
   ReferenceConstPtr begin(std::unique_ptr<InitialMap> initial, const Vector6& velocity) {
     const FrameConstPtr frame = initial->reference;
     first_keyframe_ns_ = frame->mid_exposure_ns;
     const ExposureTrajectory start{SE3(), velocity, frame->exposure.value_or(config_.tracker.unknown_exposure)};
     const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kMapBegins, map_->newestKeyframe());
-    reference->hint = TrackingHint{frame->sequence, frame->mid_exposure_ns, start};
+    reference->hint = newestOf(*initial, start);
     reference_ = reference;
-    integrate(referenceItself(*reference, frame, start));
-    deferred_.begin(std::move(initial), MotionState(start, frame->mid_exposure_ns), initial_frames_, reference_);
+    integrate(referenceItself(*reference, frame, start), true);
+    last_ = *reference->hint;
+    selector_.restart(last_.mid_exposure_ns, reference->T_map_reference * last_.trajectory.T_reference_mid);
+    deferred_.begin(std::move(initial), MotionState(start, frame->mid_exposure_ns), initial_frames_,
+                    last_.mid_exposure_ns, reference_);
     recovery_.keep(*reference_, *frame, *map_);
     deblur(frame);
     return reference;
@@ -162,10 +165,10 @@ class Mapper::Impl {
     return {};
   }
 
-  MapperOutput refine(const TrackedFrameConstPtr& frame) {
+  MapperOutput refine(const TrackedFrameConstPtr& frame, bool has_time) {
     MapperOutput output;
     takeSharpKeyframe(output);
-    output.keyframe = integrate(frame);
+    output.keyframe = integrate(frame, has_time);
     deblurring_.beginNext(*map_, frame->frame->mid_exposure_ns);
     return output.keyframe ? withKeyframe(std::move(output)) : output;
   }
@@ -185,9 +188,9 @@ class Mapper::Impl {
     output.reference = reference_;
   }
 
-  std::optional<KeyframeReport> integrate(const TrackedFrameConstPtr& frame) {
+  std::optional<KeyframeReport> integrate(const TrackedFrameConstPtr& frame, bool has_time) {
     store_.addFrame(*frame);
-    map_->searchDepths(*frame);
+    if (has_time) map_->searchDepths(*frame);
     deblurring_.remember(frame);
     deferred_.add(frame);
     last_ = {frame->frame->sequence, frame->frame->mid_exposure_ns, frame->trajectory};
@@ -315,7 +318,9 @@ class Mapper::Impl {
 Mapper::Mapper(const MapperConfig& config, DraftCallback on_draft, std::shared_ptr<const Deblurrer> deblurrer)
     : impl_(std::make_unique<Impl>(config, std::move(on_draft), std::move(deblurrer))) {}
 Mapper::~Mapper() = default;
-MapperOutput Mapper::process(const TrackedFrameConstPtr& frame) { return impl_->process(frame); }
+MapperOutput Mapper::process(const TrackedFrameConstPtr& frame, bool has_time) {
+  return impl_->process(frame, has_time);
+}
 bool Mapper::doDeferredWork() { return impl_->doDeferredWork(); }
 std::vector<TrajectoryEntry> Mapper::finishedTrajectory() const { return impl_->finishedTrajectory(); }
 void Mapper::reset() { impl_->reset(); }

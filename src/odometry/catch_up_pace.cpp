@@ -6,9 +6,9 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kLeastTime = 0.1;  // [s] until the pace is known: three images at 30 Hz
+constexpr double kLeastTime = 0.1;       // [s] until the pace is known: three images at 30 Hz
 constexpr double kLongestCatchUp = 2.0;  // [s] after which no frame shall wait
-constexpr double kMostLeftOut = 2.0;     // frames for each one that is tracked: with more, maps are lost on shaken starts
+constexpr double kMostLeftOut = 2.0;  // frames for each one that is tracked: with more, maps are lost on shaken starts
 
 }  // namespace
 
@@ -17,6 +17,7 @@ std::size_t CatchUpPace::framesToLeaveOut(std::size_t waiting, std::int64_t newe
     begin_ns_ = newest_ns;
     tracked_ = 0;
   }
+  newest_ns_ = newest_ns;
   const double elapsed = 1e-9 * static_cast<double>(newest_ns - *begin_ns_);  // [s]
   const std::size_t tracked = tracked_++;
   if (elapsed < kLeastTime) return 0;

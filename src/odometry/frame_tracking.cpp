@@ -84,7 +84,8 @@ std::shared_ptr<TrackedFrame> FrameTracking::trackAhead(const FrameConstPtr& giv
 double FrameTracking::imageSpeed() const {
   double inverse_depths = 0.0;
   for (const ReferencePoint& point : reference_->points) inverse_depths += static_cast<double>(point.inverse_depth);
-  const double mean = reference_->points.empty() ? 0.0 : inverse_depths / static_cast<double>(reference_->points.size());
+  const double mean =
+      reference_->points.empty() ? 0.0 : inverse_depths / static_cast<double>(reference_->points.size());
   const Vector6& v = state_.last().velocity;
   return reference_->pyramid->level(0).camera.fx * (v.tail<3>().norm() + mean * v.head<3>().norm());
 }

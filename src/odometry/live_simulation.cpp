@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::size_t kImageQueueBytes = 64000000;    // as the nodes have by default (image_queue_mb)
 constexpr std::size_t kMapperQueueBytes = 512000000;  // mapper_queue_mb
+constexpr double kBackgroundShare = 0.25;             // of a core that both halves want: niceness 5 weighs a third of 0
 constexpr double kDone = 1e-9;                        // [s] less work than that is none
 
 }  // namespace
@@ -72,12 +73,13 @@ void LiveSimulation::startWork() {
   }
 }
 
-double LiveSimulation::trackerRate() const { return tracking_ ? std::min(1.0, machine_.cores) : 0.0; }
-
 double LiveSimulation::mapperRate() const {
-  constexpr double kLeast = 0.02;  // the scheduler of the system starves nobody altogether
-  return std::max(kLeast, machine_.cores - trackerRate());
+  if (!mapping_) return 0.0;
+  if (!tracking_) return machine_.cores;
+  return std::max(machine_.cores - 1.0, kBackgroundShare * std::min(1.0, machine_.cores));
 }
+
+double LiveSimulation::trackerRate() const { return tracking_ ? std::min(1.0, machine_.cores - mapperRate()) : 0.0; }
 
 double LiveSimulation::timeOfNextEvent(double latest) const {
   double next = latest;

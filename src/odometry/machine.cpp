@@ -30,11 +30,11 @@ Machine::MapperSeconds Machine::secondsFor(const MapperStep& step) const {
   if (step.output.reference && step.output.reference->cause == ReferenceCause::kMapBegins) {
     ms += first_map;
   } else if (tracked.status == TrackingStatus::kInitializing) {
-    ms += look_for_map;
+    if (step.had_time && !step.cause.has_reference) ms += look_for_map;
   } else if (tracked.status == TrackingStatus::kLost && !tracked.blind) {
     ms += relocalize;
   } else if (tracked.tracked() && !tracked.provisional) {
-    ms += depth_search;
+    if (step.had_time) ms += depth_search;
   }
   if (step.output.keyframe) {
     ms += draft + draft_per_px * step.output.keyframe->blur_length_px;

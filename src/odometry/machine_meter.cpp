@@ -42,7 +42,7 @@ void MachineMeter::add(const TrackerStep& step, double seconds) {
 void MachineMeter::add(const MapperStep& step, double seconds, std::optional<double> draft_seconds) {
   const double ms = kMillisecondsPerSecond * seconds;
   if (step.kind == MapperStep::Kind::kDeferred) return deferred_.add(ms);
-  if (step.kind != MapperStep::Kind::kFrame) return;
+  if (step.kind != MapperStep::Kind::kFrame || !step.had_time) return;
   const TrackedFrame& tracked = *step.cause.tracked;
   if (step.output.keyframe) {
     if (draft_seconds) addKeyframe(step, ms, kMillisecondsPerSecond * *draft_seconds);

@@ -6,6 +6,8 @@
 namespace mba_vo {
 namespace {
 
+constexpr std::size_t kBacklog = 3;  // frames that wait: the mapper is behind, by a tenth of a second at 30 Hz
+
 /// A frame that no map depends on: it refines depths and has a row in the trajectory, but others do so too.
 bool isOrdinary(const TrackedFrame& tracked) { return tracked.tracked() && !tracked.keyframe_requested; }
 
@@ -64,7 +66,8 @@ MapperStep MapperPipeline::take(const TrackerMessage& message) {
   step.cause = message;
   step.was_reset = followSession(message);
   step.stale = message.tracked->tracked() && message.tracked->reference.map_id != map_id_;
-  step.output = mapper_.process(message.tracked);
+  step.had_time = queue_.size() < kBacklog;
+  step.output = mapper_.process(message.tracked, step.had_time);
   if (step.output.reference) {
     map_id_ = step.output.reference->id.map_id;
     step.reference = {session_, step.output.reference};

@@ -91,7 +91,8 @@ void TrackerPipeline::adoptReferences() {
     references.swap(references_);
   }
   for (const MapperMessage& message : references) {
-    if (message.session == session_ && loop_.take(message.reference, queue_.size() < kBacklog)) {
+    const bool may_go_back = queue_.size() < kBacklog && !pace_.isPressed();
+    if (message.session == session_ && loop_.take(message.reference, may_go_back)) {
       corrected_ = intake_.correct(message.reference->correction) || corrected_;
       adopted_.push_back(message.reference);
     } else {

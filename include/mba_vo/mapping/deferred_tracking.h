@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "mba_vo/mapping/backward_tracking.h"
 #include "mba_vo/mapping/frame_refinement.h"
+#include "mba_vo/mapping/outward_tracking.h"
 #include "mba_vo/trajectory/trajectory_store.h"
 
 namespace mba_vo {
@@ -16,9 +16,9 @@ class DeferredTracking {
  public:
   explicit DeferredTracking(const MapperConfig& config) : config_(config), refinement_(config) {}
 
-  /// A map begins; see BackwardTracking.
+  /// A map begins: of `frames` (by time), those up to `until_ns` are tracked from its first keyframe on.
   void begin(std::shared_ptr<const InitialMap> initial, const MotionState& start,
-             const std::vector<FrameConstPtr>& frames, const ReferenceConstPtr& first_keyframe);
+             const std::vector<FrameConstPtr>& frames, std::int64_t until_ns, const ReferenceConstPtr& first_keyframe);
   /// The map has taken in a frame, or one of them once more.
   void add(const TrackedFrameConstPtr& tracked);
   /// The window has been optimised with a new keyframe.
@@ -31,12 +31,14 @@ class DeferredTracking {
   void finish(const LocalMap& map, TrajectoryStore& store);
 
  private:
-  bool hasFramesBefore() const { return backward_ && !backward_->done(); }
-  void trackBackwards(TrajectoryStore& store);
+  /// The first one of the two that has frames left; null if none has.
+  OutwardTracking* outward();
+  static void track(OutwardTracking& outward, TrajectoryStore& store);
   void refine(const LocalMap& map, TrajectoryStore& store);
 
   MapperConfig config_;
-  std::optional<BackwardTracking> backward_;
+  std::optional<OutwardTracking> backward_;  // the frames before the map's first keyframe
+  std::optional<OutwardTracking> forward_;   // those after it that the tracker has not looked at
   FrameRefinement refinement_;
 };
 

@@ -38,7 +38,9 @@ class Mapper {
   Mapper(const Mapper&) = delete;
   Mapper& operator=(const Mapper&) = delete;
 
-  MapperOutput process(const TrackedFrameConstPtr& frame);
+  /// Without time to spare, because other frames wait, it leaves out what others may do as well: to look for a first
+  /// map in this frame, or for depths.
+  MapperOutput process(const TrackedFrameConstPtr& frame, bool has_time = true);
 
   /// Does a piece of what can wait for a free moment: tracks one frame that came before the map's first keyframe. False
   /// if there is nothing to do, or not yet.

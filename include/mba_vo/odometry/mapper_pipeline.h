@@ -28,6 +28,7 @@ struct MapperStep {
   MapperOutput output;
   MapperMessage reference;  // with `output.reference`, for the tracker half; null if there is none
   bool was_reset = false;   // the tracker had begun anew: the map was forgotten first
+  bool had_time = true;     // else what other frames may do as well was left out
   bool stale = false;       // the frame was tracked in a map that is no more
 };
 

@@ -1,4 +1,4 @@
-#include "mba_vo/mapping/backward_tracking.h"
+#include "mba_vo/mapping/outward_tracking.h"
 
 #include <algorithm>
 #include <iterator>
@@ -37,6 +37,23 @@ Vector6 referenceVelocity(const InitialMap& initial) {
   return motion.velocityOfMiddle();
 }
 
+TrackingHint newestOf(const InitialMap& initial, const ExposureTrajectory& start) {
+  const FrameConstPtr& reference = initial.reference;
+  if (initial.poses.empty() || initial.poses.back().frame->mid_exposure_ns <= reference->mid_exposure_ns) {
+    return {reference->sequence, reference->mid_exposure_ns, start};
+  }
+  FiniteDifferenceVelocity motion;
+  if (initial.poses.size() > 1) {
+    const InitialMap::Pose& before = *std::prev(initial.poses.end(), 2);
+    motion.add(before.frame->mid_exposure_ns, before.T_reference_frame, std::nullopt);
+  }
+  const InitialMap::Pose& newest = initial.poses.back();
+  motion.add(newest.frame->mid_exposure_ns, newest.T_reference_frame, std::nullopt);
+  return {newest.frame->sequence,
+          newest.frame->mid_exposure_ns,
+          {newest.T_reference_frame, motion.velocityOfLast(), newest.frame->exposure.value_or(start.exposure)}};
+}
+
 TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameConstPtr& frame,
                                      const ExposureTrajectory& trajectory) {
   auto tracked = std::make_shared<TrackedFrame>();
@@ -47,27 +64,24 @@ TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameCons
   return tracked;
 }
 
-BackwardTracking::BackwardTracking(const MapperConfig& config, std::shared_ptr<const InitialMap> initial,
-                                   const MotionState& start, const std::vector<FrameConstPtr>& frames,
-                                   ReferenceConstPtr first_keyframe)
+OutwardTracking::OutwardTracking(const MapperConfig& config, std::shared_ptr<const InitialMap> initial,
+                                 const MotionState& start, std::deque<FrameConstPtr> frames,
+                                 ReferenceConstPtr first_keyframe)
     : tracker_(config.tracker),
       unknown_exposure_(config.tracker.unknown_exposure),
       initial_(std::move(initial)),
+      frames_(std::move(frames)),
       first_keyframe_(std::move(first_keyframe)),
-      motion_(start) {
-  const std::int64_t origin_ns = initial_->reference->mid_exposure_ns;
-  const auto before = [&](const FrameConstPtr& frame) { return frame->mid_exposure_ns < origin_ns; };
-  std::copy_if(frames.begin(), frames.end(), std::back_inserter(frames_), before);
-}
+      motion_(start) {}
 
-bool BackwardTracking::isReady(const LocalMap& map) const { return map.newestKeyframe() >= kSettledKeyframe; }
+bool OutwardTracking::isReady(const LocalMap& map) const { return map.newestKeyframe() >= kSettledKeyframe; }
 
-void BackwardTracking::update(const LocalMap& map) {
+void OutwardTracking::update(const LocalMap& map) {
   const KeyframeId keyframe = first_keyframe_->id.keyframe_id;
   if (map.has(keyframe) && map.newestKeyframe() <= kSettledKeyframe) first_keyframe_ = map.makeReference(keyframe);
 }
 
-TrackingGuess BackwardTracking::guessFor(const Frame& frame) const {
+TrackingGuess OutwardTracking::guessFor(const Frame& frame) const {
   TrackingGuess guess(motion_.priorAt(frame.mid_exposure_ns), frame.exposure.value_or(unknown_exposure_));
   guess.brightness = brightness_;
   const auto same = [&](const InitialMap::Pose& pose) { return pose.frame->sequence == frame.sequence; };
@@ -76,12 +90,12 @@ TrackingGuess BackwardTracking::guessFor(const Frame& frame) const {
   return guess;
 }
 
-TrackedFrame BackwardTracking::next() {
-  const FrameConstPtr frame = std::move(frames_.back());
-  frames_.pop_back();
+TrackedFrame OutwardTracking::next() {
+  const FrameConstPtr frame = std::move(frames_.front());
+  frames_.pop_front();
   TrackedFrame tracked = tracker_.track(*first_keyframe_, frame, guessFor(*frame));
   // What follows has nothing better to go by than a pose that is doubtful.
-  if (seen_badly_) degrade(tracked, "tracked backwards from a frame that was seen badly");
+  if (seen_badly_) degrade(tracked, "tracked from a frame that was seen badly");
   if (tracked.measures.visible_fraction < kLeastVisible) degrade(tracked, "sees little of the map's first keyframe");
   seen_badly_ = tracked.status == TrackingStatus::kDegraded;
   if (tracked.tracked()) {

@@ -1,4 +1,4 @@
-#include "mba_vo/mapping/backward_tracking.h"
+#include "mba_vo/mapping/outward_tracking.h"
 
 #include <gtest/gtest.h>
 
@@ -31,15 +31,15 @@ FrameConstPtr noisy(int index) {
   return test::makeFrame(image, rendered.mid_exposure_ns, rendered.exposure, rendered.id);
 }
 
-class BackwardTrackingTest : public testing::Test {
+class OutwardTrackingTest : public testing::Test {
  protected:
-  /// Of the frames before the reference, with the true motion there.
-  BackwardTracking begin(const std::vector<FrameConstPtr>& frames) {
+  /// Of these frames, by time, backwards from the reference, with the true motion there.
+  OutwardTracking begin(const std::vector<FrameConstPtr>& frames) {
     auto initial = std::make_unique<InitialMap>();
     initial->reference = frame(kReference);
     const Vector6 velocity = (reference_.T_world_start.inverse() * reference_.T_world_end).log() / reference_.exposure;
     const MotionState start({SE3(), velocity, reference_.exposure}, reference_.mid_exposure_ns);
-    return BackwardTracking(MapperConfig(), std::move(initial), start, frames, snapshot_);
+    return OutwardTracking(MapperConfig(), std::move(initial), start, {frames.rbegin(), frames.rend()}, snapshot_);
   }
 
   SE3 truth(int index) const { return reference_.T_world_mid.inverse() * render(index).T_world_mid; }
@@ -48,10 +48,10 @@ class BackwardTrackingTest : public testing::Test {
   std::shared_ptr<Reference> snapshot_ = test::makeReference(reference_, test::toFloat(reference_.sharp));
 };
 
-TEST_F(BackwardTrackingTest, GoesBackToTheFirstFrame) {
+TEST_F(OutwardTrackingTest, GoesBackToTheFirstFrame) {
   std::vector<FrameConstPtr> frames;
-  for (int i = 0; i <= kReference + 1; ++i) frames.push_back(frame(i));
-  BackwardTracking backward = begin(frames);
+  for (int i = 0; i < kReference; ++i) frames.push_back(frame(i));
+  OutwardTracking backward = begin(frames);
   for (int i = kReference - 1; i >= 0; --i) {
     ASSERT_FALSE(backward.done());
     const TrackedFrame tracked = backward.next();
@@ -62,19 +62,19 @@ TEST_F(BackwardTrackingTest, GoesBackToTheFirstFrame) {
   EXPECT_TRUE(backward.done());
 }
 
-TEST_F(BackwardTrackingTest, EndsWithTheFirstFrameThatIsLost) {
+TEST_F(OutwardTrackingTest, EndsWithTheFirstFrameThatIsLost) {
   std::vector<FrameConstPtr> frames;
   for (int i = 0; i < kReference; ++i) frames.push_back(i == kReference - 2 ? blank(i) : frame(i));
-  BackwardTracking backward = begin(frames);
+  OutwardTracking backward = begin(frames);
   EXPECT_TRUE(backward.next().tracked());
   EXPECT_FALSE(backward.next().tracked());
   EXPECT_TRUE(backward.done());
 }
 
-TEST_F(BackwardTrackingTest, BeyondAFrameThatIsSeenBadlyAllAreDoubtful) {
+TEST_F(OutwardTrackingTest, BeyondAFrameThatIsSeenBadlyAllAreDoubtful) {
   std::vector<FrameConstPtr> frames;
   for (int i = 0; i < kReference; ++i) frames.push_back(i == kReference - 2 ? noisy(i) : frame(i));
-  BackwardTracking backward = begin(frames);
+  OutwardTracking backward = begin(frames);
   EXPECT_EQ(backward.next().status, TrackingStatus::kTracking);
   EXPECT_EQ(backward.next().status, TrackingStatus::kDegraded);
   while (!backward.done()) {
@@ -84,7 +84,7 @@ TEST_F(BackwardTrackingTest, BeyondAFrameThatIsSeenBadlyAllAreDoubtful) {
   }
 }
 
-TEST_F(BackwardTrackingTest, WhereLittleOfTheKeyframeIsSeenPosesAreDoubtful) {
+TEST_F(OutwardTrackingTest, WhereLittleOfTheKeyframeIsSeenPosesAreDoubtful) {
   const PinholeCamera& camera = snapshot_->pyramid->level(0).camera;
   std::vector<ReferencePoint>& points = snapshot_->points;
   const SE3 T_frame_reference = truth(kReference - 1).inverse();
@@ -97,7 +97,7 @@ TEST_F(BackwardTrackingTest, WhereLittleOfTheKeyframeIsSeenPosesAreDoubtful) {
   ASSERT_FALSE(leaving.empty());
   const std::size_t others = points.size();
   for (std::size_t i = 0; i < 4 * others; ++i) points.push_back(leaving[i % leaving.size()]);
-  BackwardTracking backward = begin({frame(kReference - 2), frame(kReference - 1)});
+  OutwardTracking backward = begin({frame(kReference - 2), frame(kReference - 1)});
   while (!backward.done()) {
     const TrackedFrame tracked = backward.next();
     EXPECT_EQ(tracked.status, TrackingStatus::kDegraded);

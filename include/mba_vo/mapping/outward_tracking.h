@@ -1,7 +1,7 @@
 #pragma once
 
+#include <deque>
 #include <memory>
-#include <vector>
 
 #include "mba_vo/initialization/initializer.h"
 #include "mba_vo/mapping/mapper_config.h"
@@ -16,19 +16,23 @@ class LocalMap;
 /// Velocity of the initial map's reference frame [m/s, rad/s] by the poses next to it in time.
 Vector6 referenceVelocity(const InitialMap& initial);
 
+/// Where the newest frame is whose pose the initial map knows: that of the reference itself, `start`, if there is none
+/// after it.
+TrackingHint newestOf(const InitialMap& initial, const ExposureTrajectory& start);
+
 /// The reference's own frame as the tracker would report it.
 TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameConstPtr& frame,
                                      const ExposureTrajectory& trajectory);
 
-/// Tracks the frames that came before a map's first keyframe, from the newest to the oldest. Ends with the first one
-/// that is lost: beyond it there is nothing to predict from, and what seems to fit is seldom right. From the first one
-/// that is DEGRADED on, all are.
-class BackwardTracking {
+/// Tracks frames against a map's first keyframe, one after the other away from it in time, backwards or forwards. Ends
+/// with the first one that is lost: beyond it there is nothing to predict from, and what seems to fit is seldom right.
+/// From the first one that is DEGRADED on, all are.
+class OutwardTracking {
  public:
-  /// `start`: motion at the initial map's reference frame. Takes those of `frames` (by time) that came before it.
-  /// They are tracked against `first_keyframe`, a snapshot about it.
-  BackwardTracking(const MapperConfig& config, std::shared_ptr<const InitialMap> initial, const MotionState& start,
-                   const std::vector<FrameConstPtr>& frames, ReferenceConstPtr first_keyframe);
+  /// `start`: motion at the initial map's reference frame. `frames`: in the order in which they are to be tracked,
+  /// against `first_keyframe`, a snapshot about it.
+  OutwardTracking(const MapperConfig& config, std::shared_ptr<const InitialMap> initial, const MotionState& start,
+                  std::deque<FrameConstPtr> frames, ReferenceConstPtr first_keyframe);
 
   bool done() const { return frames_.empty(); }
   /// False as long as the first keyframe's points have no good depths: it is better to wait.
@@ -44,7 +48,7 @@ class BackwardTracking {
   Tracker tracker_;
   double unknown_exposure_;  // [s]
   std::shared_ptr<const InitialMap> initial_;
-  std::vector<FrameConstPtr> frames_;  // still to be tracked, by time
+  std::deque<FrameConstPtr> frames_;  // still to be tracked
   ReferenceConstPtr first_keyframe_;
   MotionState motion_;
   AffineBrightness brightness_;
