@@ -8,7 +8,7 @@ namespace {
 
 // Chosen together with scripts/covariance.py on seeds 100 to 109, offline and live, so that poses, positions and
 // rotations come near 1 after 1, 5 and 10 s.
-constexpr double kKeyframeShare = 0.15;    // of a keyframe's variance that remains when the map has been optimised
+constexpr double kKeyframeShare = 0.1;     // of a keyframe's variance that remains when the map has been optimised
 constexpr double kCorrectionShare = 0.15;  // of the squares of what the map is corrected by
 constexpr double kScaleDrift = 1e-3;       // standard deviation for each keyframe
 
@@ -80,9 +80,11 @@ void OdometryCovariance::beginMap(const TrackedFrame& tracked, const SE3& T_odom
     const double seconds = 1e-9 * static_cast<double>(tracked.frame->mid_exposure_ns - last_->mid_exposure_ns);
     before_ += seenThrough(T_odom_camera, isotropic(speed_.linear * seconds * seconds / 3.0, 0.0));
   }
-  map_ = keyframe_ = Matrix6::Zero();
+  // What ties the map to its first pose stays, for that pose is not measured again.
+  map_ = seenThrough(T_odom_camera, tracked.covariance.topLeftCorner<6, 6>());
   places_ = {};
-  useKeyframe(T_odom_camera, tracked.covariance.topLeftCorner<6, 6>());
+  keyframe_ = Matrix6::Zero();
+  useKeyframe(T_odom_camera, Matrix6::Zero());
   T_map_odom_first_ = T_map_odom;
   speed_ = acceleration_ = {};
   frames_ = 0;

@@ -10,8 +10,9 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kInterval = 0.04;     // between images [s]
-constexpr double kShare = 0.15;        // of old keyframes, and of the map's corrections
+constexpr double kInterval = 0.04;      // between images [s]
+constexpr double kKeyframeShare = 0.1;  // of old keyframes
+constexpr double kCorrectionShare = 0.15;
 constexpr double kScaleDrift = 0.001;  // per keyframe
 
 Vector6 vector6(double x, double y, double z, double a, double b, double c) {
@@ -73,7 +74,9 @@ TEST(OdometryCovariance, GrowsWithEachKeyframeAndNotBetween) {
   const MotionCovariance same = covariance.update(trackedAt(2, 1, 1), T_first_second, SE3());
   EXPECT_LT(relativeDifference(same.odom, second.odom), 1e-12);
   const MotionCovariance next = covariance.update(trackedAt(3, 1, 2), T_first_second, SE3());
-  EXPECT_LT(relativeDifference(next.odom, kShare * seen + 2.0 * alignment()), 1e-12);
+  EXPECT_LT(relativeDifference(next.odom, seen + 2.0 * alignment()), 1e-12);
+  const MotionCovariance third = covariance.update(trackedAt(4, 1, 3), T_first_second, SE3());
+  EXPECT_LT(relativeDifference(third.odom, seen + (2.0 + kKeyframeShare) * alignment()), 1e-12);
   EXPECT_LT(relativeDifference(next.map, next.odom), 1e-12) << "map and odom are one until the map is corrected";
 }
 
@@ -106,7 +109,7 @@ TEST(OdometryCovariance, IsTheScatterOfChainsOfKeyframes) {
     Eigen::Vector3d stretch = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < kKeyframes; ++i) {
       const SE3& frame = poses[i > 0 ? i - 1 : 0];  // the last one when the keyframe comes into use
-      const double share = i + 1 < kKeyframes ? kShare : 1.0;
+      const double share = i > 0 && i + 1 < kKeyframes ? kKeyframeShare : 1.0;
       T_estimated_true = T_estimated_true * frame * SE3::exp(draw(share)) * frame.inverse();
       stretch += kScaleDrift * normal(generator) * (last.translation() - frame.translation());
     }
@@ -126,7 +129,7 @@ TEST(OdometryCovariance, CorrectionsOfTheMapAreMissingInOdom) {
   const SE3 T_map_odom = T_odom_camera * SE3::exp(correction) * T_odom_camera.inverse();
   for (int i = 1; i < 3; ++i) {
     const MotionCovariance corrected = covariance.update(trackedAt(i, 1, 1), T_odom_camera, T_map_odom);
-    const Matrix6 map = before + kShare * correction * correction.transpose();
+    const Matrix6 map = before + kCorrectionShare * correction * correction.transpose();
     EXPECT_LT(relativeDifference(corrected.map, map), 1e-9);
     EXPECT_LT(relativeDifference(corrected.odom, map + correction * correction.transpose()), 1e-9);
   }
