@@ -30,14 +30,24 @@ std::string optionalText(const std::optional<Value>& value, int decimals) {
 }
 
 /// The upper triangle, row by row.
-std::string covarianceText(const std::optional<OnlinePose>& pose) {
+std::string upperTriangle(const Matrix6& matrix) {
   std::ostringstream text;
   text << std::setprecision(kMicroseconds);
-  for (int row = 0; pose && row < 6; ++row) {
+  for (int row = 0; row < 6; ++row) {
     for (int column = row; column < 6; ++column) {
-      text << (row + column > 0 ? " " : "") << pose->covariance(row, column);
+      text << (row + column > 0 ? " " : "") << matrix(row, column);
     }
   }
+  return text.str();
+}
+
+/// Covariance of the pose, velocity and its covariance.
+std::string uncertaintyText(const std::optional<OnlinePose>& pose) {
+  if (!pose) return ",,";
+  std::ostringstream text;
+  const Eigen::IOFormat in_a_row(kMicroseconds, Eigen::DontAlignCols);
+  text << upperTriangle(pose->covariance) << "," << pose->velocity.transpose().format(in_a_row) << ","
+       << upperTriangle(pose->velocity_covariance);
   return text.str();
 }
 
@@ -45,7 +55,7 @@ std::string covarianceText(const std::optional<OnlinePose>& pose) {
 
 void writeFramesHeader(std::ostream& out) {
   out << "sequence,time,stamp,exposure,status,reason,map,blur_px,points,residual,error_px,tracking_ms,mapping_ms,"
-         "message,arrival,published,online_status,covariance\n";
+         "message,arrival,published,online_status,covariance,twist,twist_covariance\n";
 }
 
 void writeFrame(const FrameRecord& frame, std::ostream& out) {
@@ -57,7 +67,7 @@ void writeFrame(const FrameRecord& frame, std::ostream& out) {
       << optionalText(frame.pixel_error, 3) << "," << frame.tracking_ms << "," << frame.mapping_ms << ","
       << quoted(frame.message) << "," << optionalText(std::optional<double>(frame.arrival), kMicroseconds) << ","
       << optionalText(frame.published, kMicroseconds) << "," << frame.online_status << ","
-      << covarianceText(frame.online) << "\n";
+      << uncertaintyText(frame.online) << "\n";
 }
 
 void writeFrames(const std::vector<FrameRecord>& frames, std::ostream& out) {

@@ -33,8 +33,8 @@ void takePublished(const PublishedImage& image, FrameRecord& record) {
   record.published = image.published;
   if (!tracked.tracked()) return;
   const SE3& T_odom_camera = image.step.T_odom_camera;
-  record.online = {tracked.reference.map_id, image.step.T_map_odom * T_odom_camera, T_odom_camera,
-                   tracked.covariance.topLeftCorner<6, 6>()};
+  record.online = {tracked.reference.map_id,   image.step.T_map_odom * T_odom_camera, T_odom_camera,
+                   image.step.covariance.odom, tracked.trajectory.velocity,           image.step.covariance.velocity};
 }
 
 }  // namespace

@@ -148,6 +148,7 @@ void TrackerPipeline::track(const FrameConstPtr& frame, TrackerStep& step) {
   step.phase = loop_.phase();
   step.T_odom_camera = loop_.T_odom_camera();
   step.T_map_odom = loop_.T_map_odom();
+  step.covariance = covariance_.update(*tracked, step.T_odom_camera, step.T_map_odom);
   if (tracked->status == TrackingStatus::kLost) {
     step.predicted_T_odom_camera = loop_.predicted_T_odom_camera(frame->mid_exposure_ns);
   }
@@ -193,6 +194,7 @@ void TrackerPipeline::beginSession() {
   ++session_;
   keep_map_ = false;
   loop_.reset();
+  covariance_.reset();
   pace_.reset();
 }
 

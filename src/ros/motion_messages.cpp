@@ -9,8 +9,6 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kUnknownVariance = 1e6;  // of a velocity that nothing has measured [m^2/s^2, rad^2/s^2]
-
 boost::array<double, 36> toArray(const Matrix6& matrix) {
   boost::array<double, 36> array;
   for (int row = 0; row < 6; ++row) {
@@ -21,8 +19,6 @@ boost::array<double, 36> toArray(const Matrix6& matrix) {
   return array;
 }
 
-Matrix6 increment(const TrackedFrame& tracked) { return tracked.covariance.topLeftCorner<6, 6>(); }
-
 }  // namespace
 
 Matrix6 poseCovariance(const Matrix6& camera_increment, const SE3& T_base_camera, const SE3& T_world_base) {
@@ -32,18 +28,6 @@ Matrix6 poseCovariance(const Matrix6& camera_increment, const SE3& T_base_camera
   J.bottomRightCorner<3, 3>() = T_world_base.rotationMatrix();
   J = J * T_base_camera.adjoint();
   return J * camera_increment * J.transpose();
-}
-
-Matrix6 velocityCovariance(const TrackedFrame& tracked, double seconds_since_previous) {
-  if (tracked.orientation_only) return kUnknownVariance * Matrix6::Identity();
-  const double exposure = tracked.trajectory.exposure;
-  if (!tracked.xi_prior_limited && exposure > 0.0) {
-    return tracked.covariance.bottomRightCorner<6, 6>() / (exposure * exposure);
-  }
-  if (seconds_since_previous > 0.0) {  // difference of two poses that were measured alike
-    return 2.0 * increment(tracked) / (seconds_since_previous * seconds_since_previous);
-  }
-  return kUnknownVariance * Matrix6::Identity();
 }
 
 double motionConfidence(const TrackedFrame& tracked) {
@@ -70,10 +54,10 @@ nav_msgs::Odometry makeOdometry(const MeasuredMotion& motion, const FrameNames& 
   odometry.header.frame_id = frames.odom_frame;
   odometry.child_frame_id = frames.base_frame;
   odometry.pose.pose = toPoseMsg(T_odom_base);
-  odometry.pose.covariance = toArray(poseCovariance(increment(tracked), motion.T_base_camera, T_odom_base));
+  odometry.pose.covariance = toArray(poseCovariance(motion.covariance.odom, motion.T_base_camera, T_odom_base));
   odometry.twist.twist.linear = toVector3Msg(velocity.head<3>());
   odometry.twist.twist.angular = toVector3Msg(velocity.tail<3>());
-  odometry.twist.covariance = toArray(Ad * velocityCovariance(tracked, motion.seconds_since_previous) * Ad.transpose());
+  odometry.twist.covariance = toArray(Ad * motion.covariance.velocity * Ad.transpose());
   return odometry;
 }
 
@@ -84,7 +68,7 @@ geometry_msgs::PoseWithCovarianceStamped makePose(const MeasuredMotion& motion, 
   pose.header.stamp = toRosTime(tracked.frame->mid_exposure_ns);
   pose.header.frame_id = frames.map_frame;
   pose.pose.pose = toPoseMsg(T_map_base);
-  pose.pose.covariance = toArray(poseCovariance(increment(tracked), motion.T_base_camera, T_map_base));
+  pose.pose.covariance = toArray(poseCovariance(motion.covariance.map, motion.T_base_camera, T_map_base));
   return pose;
 }
 

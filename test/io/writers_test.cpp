@@ -80,16 +80,16 @@ TEST(RunWriter, FramesCsvHasARowPerFrameAndEmptyFieldsForTheUnknown) {
   good.arrival = 1.51;
   good.published = 1.525;
   const Matrix6 diagonal = Eigen::Map<const Vector6>(kVariances).asDiagonal();
-  good.online = OnlinePose{2, SE3(), SE3(), diagonal};
+  good.online = OnlinePose{2, SE3(), SE3(), diagonal, Eigen::Map<const Vector6>(kVariances), 2.0 * diagonal};
   std::ostringstream text;
   writeFrames({lost, good}, text);
   EXPECT_EQ(
       text.str(),
       "sequence,time,stamp,exposure,status,reason,map,blur_px,points,residual,error_px,tracking_ms,mapping_ms,message,"
-      "arrival,published,online_status,covariance\n"
-      "7,1.500000000,1.490000000,,LOST,\"a \"\"reason\"\", with comma\",,,,,,0.000,0.000,\"\",0.000000,,LOST,\n"
+      "arrival,published,online_status,covariance,twist,twist_covariance\n"
+      "7,1.500000000,1.490000000,,LOST,\"a \"\"reason\"\", with comma\",,,,,,0.000,0.000,\"\",0.000000,,LOST,,,\n"
       "7,1.500000000,1.490000000,0.020000,TRACKING,\"\",2,12.35,400,3.250,0.500,6.500,0.000,\"\",1.510000,1.525000,"
-      "TRACKING,1 0 0 0 0 0 2 0 0 0 0 3 0 0 0 4 0 0 5 0 6\n");
+      "TRACKING,1 0 0 0 0 0 2 0 0 0 0 3 0 0 0 4 0 0 5 0 6,1 2 3 4 5 6,2 0 0 0 0 0 4 0 0 0 0 6 0 0 0 8 0 0 10 0 12\n");
 }
 
 TEST(RunWriter, KeyframesCsvHasARowPerKeyframe) {

@@ -35,6 +35,9 @@ MeasuredMotion testMotion() {
   motion.T_map_odom = pose(0.1, 0.2, 0.3, 0.05, 0.0, -0.1);
   motion.T_base_camera = pose(0.2, -0.1, 0.4, -1.5, 0.1, -1.6);
   motion.camera_frame = "camera";
+  motion.covariance.odom = 4e-4 * Matrix6::Identity();
+  motion.covariance.map = 1e-4 * Matrix6::Identity();
+  motion.covariance.velocity = 9e-4 * Matrix6::Identity();
   return motion;
 }
 
@@ -124,13 +127,16 @@ TEST(MotionMessages, ConfidenceGrowsWithTheBlurOverItsUncertainty) {
   EXPECT_EQ(motionConfidence(*tracked), 0.0);
 }
 
-TEST(MotionMessages, VelocityIsNeverCalledCertain) {
+TEST(MotionMessages, EachMessageHasItsOwnCovariance) {
   MeasuredMotion motion = testMotion();
-  auto tracked = std::make_shared<TrackedFrame>(*motion.tracked);
-  EXPECT_NEAR(velocityCovariance(*tracked, 0.1)(0, 0), 1e-6 / (0.02 * 0.02), 1e-12);
-  tracked->xi_prior_limited = true;
-  EXPECT_NEAR(velocityCovariance(*tracked, 0.1)(0, 0), 2e-6 / (0.1 * 0.1), 1e-12);
-  EXPECT_GT(velocityCovariance(*tracked, 0.0)(0, 0), 1e3);
+  motion.T_base_camera = SE3();  // then the variance of x in the base is that of the camera's x, turned
+  motion.T_odom_camera = SE3();
+  motion.T_map_odom = SE3();
+  const nav_msgs::Odometry odometry = makeOdometry(motion, FrameNames());
+  const auto pose = makePose(motion, FrameNames());
+  EXPECT_NEAR(odometry.pose.covariance[0], 4e-4, 1e-12);
+  EXPECT_NEAR(pose.pose.covariance[0], 1e-4, 1e-12);
+  EXPECT_NEAR(odometry.twist.covariance[0], 9e-4, 1e-12);
 }
 
 }  // namespace

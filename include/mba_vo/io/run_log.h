@@ -18,6 +18,8 @@ struct OnlinePose {
   SE3 T_map_camera;                      // at mid-exposure
   SE3 T_odom_camera;                     // the same
   Matrix6 covariance = Matrix6::Zero();  // of T_odom_camera's right increment (translation [m], rotation [rad])
+  Vector6 velocity = Vector6::Zero();    // in the camera's axes, at mid-exposure [m/s, rad/s]
+  Matrix6 velocity_covariance = Matrix6::Zero();
 };
 
 /// What became of one input image: a row of frames.csv. One is kept for each image of a run, so it is small.

@@ -12,6 +12,7 @@
 #include "mba_vo/odometry/bounded_queue.h"
 #include "mba_vo/odometry/catch_up_pace.h"
 #include "mba_vo/odometry/image_intake.h"
+#include "mba_vo/odometry/odometry_covariance.h"
 #include "mba_vo/odometry/pipeline_messages.h"
 #include "mba_vo/odometry/tracking_loop.h"
 
@@ -43,6 +44,7 @@ struct TrackerStep {
   TrackingPhase phase = TrackingPhase::kNoMap;  // afterwards
   SE3 T_odom_camera;                            // at mid-exposure, of an image with a pose
   SE3 T_map_odom;
+  MotionCovariance covariance;                 // of an image with a pose or an orientation
   std::optional<SE3> predicted_T_odom_camera;  // of a lost image, as the camera last moved
 };
 
@@ -116,6 +118,7 @@ class TrackerPipeline {
   ImageIntake intake_;
   TrackingLoop loop_;
   CatchUpPace pace_;
+  OdometryCovariance covariance_;
   bool late_since_image_ = false;  // a waiting frame has been tracked since the last image
   std::uint64_t session_;
   std::string camera_frame_;  // of the newest image

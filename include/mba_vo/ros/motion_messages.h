@@ -7,6 +7,7 @@
 #include <nav_msgs/Odometry.h>
 #include <boost/array.hpp>
 
+#include "mba_vo/odometry/odometry_covariance.h"
 #include "mba_vo/ros/node_config.h"
 #include "mba_vo/tracking/tracked_frame.h"
 
@@ -19,16 +20,12 @@ struct MeasuredMotion {
   SE3 T_map_odom;
   SE3 T_base_camera;
   std::string camera_frame;
-  double seconds_since_previous = 0.0;  // between the mid-exposures of this and the last measured frame [s]; 0 = none
+  MotionCovariance covariance;
 };
 
 /// Covariance in the order and meaning of geometry_msgs (x, y, z, rotation about the fixed axes x, y, z of the parent)
 /// of a base pose, from that of a right increment (rho, phi) of the camera pose. `T_world_base` with REP-103 axes.
 Matrix6 poseCovariance(const Matrix6& camera_increment, const SE3& T_base_camera, const SE3& T_world_base);
-
-/// Covariance of the camera's velocity: by the blur where that says something, else by the distance from the last
-/// frame.
-Matrix6 velocityCovariance(const TrackedFrame& tracked, double seconds_since_previous);
 
 /// Share of the motion within the exposure that the blur itself measured, 0..1: 1 - n/m^2 with m^2 the squared
 /// Mahalanobis length of the n = 6 components of xi, whose expectation would be n if there were no motion at all.

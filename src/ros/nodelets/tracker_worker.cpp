@@ -189,7 +189,7 @@ MeasuredMotion TrackerWorker::motionOf(const TrackerStep& step, const SE3& T_odo
   motion.T_map_odom = step.T_map_odom;
   motion.T_base_camera = extrinsic_.T_base_camera();
   motion.camera_frame = step.message.mount.camera_frame;
-  motion.seconds_since_previous = secondsSinceMeasured(*step.message.tracked->frame);
+  motion.covariance = step.covariance;
   return motion;
 }
 

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "mba_vo/tracking/tracked_frame.h"
+
+namespace mba_vo {
+
+/// Covariances of what is published for one image, in the camera's axes. Lengths are in units of the present map; what
+/// the odometry had gathered before it counts in units of the maps of then.
+struct MotionCovariance {
+  Matrix6 odom = Matrix6::Zero();      // of T_odom_camera's right increment (translation [m], rotation [rad])
+  Matrix6 map = Matrix6::Zero();       // of T_map_camera's
+  Matrix6 velocity = Matrix6::Zero();  // of the velocity at mid-exposure [m/s, rad/s]
+};
+
+/// Follows what is published, image by image, and says how well it is known. In a map, where its first pose is exact by
+/// definition:
+///   map   an alignment ties the map to that pose. The keyframe in use is known relative to the one before as well as
+///   the
+///         last frame was; of that a share remains once the map has been optimised with the next one, and adds up along
+///         the keyframes. What the map is corrected by tells how well it was known; its scale drifts a little with each
+///         keyframe. Then comes the alignment of the frame itself.
+///   odom  moreover, odometry does not follow when the map is corrected, nor when a lost camera is found again:
+///         what map -> odom has moved by since the map began is missing in it.
+/// Between two maps nothing measures the position, and nothing the rotation until there is a result again: the camera
+/// is taken to have gone on as fast as it moved in the rms until then.
+class OdometryCovariance {
+ public:
+  /// The result of the next image, whatever it is. Without pose and orientation all is zero.
+  MotionCovariance update(const TrackedFrame& tracked, const SE3& T_odom_camera, const SE3& T_map_odom);
+  /// Odometry begins anew.
+  void reset() { *this = OdometryCovariance(); }
+
+ private:
+  /// What was published last with a pose.
+  struct Pose {
+    ReferenceId reference;
+    std::int64_t mid_exposure_ns = 0;
+    SE3 T_odom_camera;
+    SE3 T_map_odom;
+    Matrix6 alignment = Matrix6::Zero();  // of its right increment
+    MotionCovariance covariance;
+  };
+  struct MeanSquares {
+    double linear = 0.0;   // [m^2/s^2], or [m^2/s^4]
+    double angular = 0.0;  // [rad^2/s^2], or [rad^2/s^4]
+  };
+
+  /// Moments of where keyframes came into use, for the positions that drifting scales displace.
+  struct KeyframePlaces {
+    double count = 0.0;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  };
+
+  void closeMap(const SE3& T_odom_camera, double seconds);
+  void beginMap(const TrackedFrame& tracked, const SE3& T_odom_camera, const SE3& T_map_odom);
+  void goOnInMap(const TrackedFrame& tracked, const SE3& T_odom_camera, const SE3& T_map_odom);
+  void useKeyframe(const SE3& T_odom_camera, const Matrix6& alignment);
+  Matrix6 scaleDrift(const SE3& T_odom_camera) const;
+  void observeMotion(const TrackedFrame& tracked, double seconds);
+  Matrix6 velocityCovariance(const TrackedFrame& tracked, double seconds) const;
+
+  // In odom's axes at its origin: of a left increment of T_odom_camera, which stays the same while the camera moves.
+  Matrix6 before_ = Matrix6::Zero();    // from before this map
+  Matrix6 map_ = Matrix6::Zero();       // of the keyframes before the one in use, and of corrections of the map
+  Matrix6 keyframe_ = Matrix6::Zero();  // of the keyframe in use, relative to the one before
+  KeyframePlaces places_;               // in this map
+  SE3 T_map_odom_first_;                // when this map began
+  std::optional<Pose> last_;
+  bool has_map_ = false;
+  bool lost_ = false;        // since then
+  std::int64_t frames_ = 0;  // whose speed is in `speed_`
+  MeanSquares speed_;        // so far
+  Vector6 velocity_ = Vector6::Zero();
+  MeanSquares acceleration_;  // of late
+};
+
+}  // namespace mba_vo

@@ -1,0 +1,157 @@
+#include "mba_vo/odometry/odometry_covariance.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mba_vo {
+namespace {
+
+// Chosen together with scripts/covariance.py on seeds 100 to 109, offline and live, so that poses, positions and
+// rotations come near 1 after 1, 5 and 10 s.
+constexpr double kKeyframeShare = 0.1;     // of a keyframe's variance that remains when the map has been optimised
+constexpr double kCorrectionShare = 0.15;  // of the squares of what the map is corrected by
+constexpr double kScaleDrift = 1e-3;       // standard deviation for each keyframe
+
+constexpr double kMemory = 2.0;              // [s] of the accelerations
+constexpr double kLag = 1.5;                 // [frame intervals] of a velocity that was predicted, see MotionState
+constexpr double kUnknownVariance = 1e6;     // of what nothing has measured [m^2, m^2/s^2, rad^2/s^2]
+constexpr double kLongestInterval = 0.15;    // [s] two velocities further apart say nothing of an acceleration
+constexpr double kUnknownExposureSigma = 1;  // of the log of an exposure that nobody told
+
+Matrix6 seenThrough(const SE3& T, const Matrix6& covariance) {
+  const Matrix6 Ad = T.adjoint();
+  return Ad * covariance * Ad.transpose();
+}
+
+Matrix6 isotropic(double translation, double rotation) {
+  Vector6 diagonal;
+  diagonal << Eigen::Vector3d::Constant(translation), Eigen::Vector3d::Constant(rotation);
+  return diagonal.asDiagonal();
+}
+
+Matrix6 squareOf(const Vector6& error) { return error * error.transpose(); }
+
+}  // namespace
+
+MotionCovariance OdometryCovariance::update(const TrackedFrame& tracked, const SE3& T_odom_camera,
+                                            const SE3& T_map_odom) {
+  if (!tracked.tracked() && !tracked.orientation_only) {
+    lost_ = true;
+    return {};
+  }
+  const std::int64_t now = tracked.frame->mid_exposure_ns;
+  const double seconds = last_ ? 1e-9 * static_cast<double>(now - last_->mid_exposure_ns) : 0.0;
+  const bool same_map = tracked.tracked() && has_map_ && last_->reference.map_id == tracked.reference.map_id;
+  if (has_map_ && !same_map) closeMap(T_odom_camera, seconds);
+  const Matrix6 alignment = tracked.covariance.topLeftCorner<6, 6>();
+  const SE3 T_camera_odom = T_odom_camera.inverse();
+  MotionCovariance result;
+  if (tracked.orientation_only) {
+    result.map = alignment;
+    result.odom = seenThrough(T_camera_odom, before_) + alignment;
+    result.velocity = kUnknownVariance * Matrix6::Identity();
+    return result;
+  }
+  if (has_map_) {
+    goOnInMap(tracked, T_odom_camera, T_map_odom);
+  } else {
+    beginMap(tracked, T_odom_camera, T_map_odom);
+  }
+  const Vector6 left_behind = (T_camera_odom * T_map_odom_first_.inverse() * T_map_odom * T_odom_camera).log();
+  result.map = seenThrough(T_camera_odom, map_ + keyframe_) + scaleDrift(T_odom_camera) + alignment;
+  result.odom = result.map + seenThrough(T_camera_odom, before_) + squareOf(left_behind);
+  observeMotion(tracked, seconds);
+  result.velocity = velocityCovariance(tracked, seconds);
+  last_ = {tracked.reference, now, T_odom_camera, T_map_odom, alignment, result};
+  lost_ = false;
+  return result;
+}
+
+/// All that was gathered stays, and the camera turns unmeasured for so long.
+void OdometryCovariance::closeMap(const SE3& T_odom_camera, double seconds) {
+  const double turned = speed_.angular * seconds * seconds / 3.0;
+  before_ =
+      seenThrough(last_->T_odom_camera, last_->covariance.odom) + seenThrough(T_odom_camera, isotropic(0.0, turned));
+  has_map_ = false;
+}
+
+void OdometryCovariance::beginMap(const TrackedFrame& tracked, const SE3& T_odom_camera, const SE3& T_map_odom) {
+  if (last_) {
+    const double seconds = 1e-9 * static_cast<double>(tracked.frame->mid_exposure_ns - last_->mid_exposure_ns);
+    before_ += seenThrough(T_odom_camera, isotropic(speed_.linear * seconds * seconds / 3.0, 0.0));
+  }
+  // What ties the map to its first pose stays, for that pose is not measured again.
+  map_ = seenThrough(T_odom_camera, tracked.covariance.topLeftCorner<6, 6>());
+  places_ = {};
+  keyframe_ = Matrix6::Zero();
+  useKeyframe(T_odom_camera, Matrix6::Zero());
+  T_map_odom_first_ = T_map_odom;
+  speed_ = acceleration_ = {};
+  frames_ = 0;
+  has_map_ = true;
+}
+
+void OdometryCovariance::goOnInMap(const TrackedFrame& tracked, const SE3& T_odom_camera, const SE3& T_map_odom) {
+  if (tracked.reference.keyframe_id != last_->reference.keyframe_id) {
+    useKeyframe(last_->T_odom_camera, last_->alignment);
+  }
+  // When a lost camera was found, it is not the map that has moved.
+  if (lost_) return;
+  const SE3 correction = last_->T_map_odom.inverse() * T_map_odom;
+  const Vector6 seen = (T_odom_camera.inverse() * correction * T_odom_camera).log();
+  map_ += kCorrectionShare * seenThrough(T_odom_camera, squareOf(seen));
+}
+
+void OdometryCovariance::useKeyframe(const SE3& T_odom_camera, const Matrix6& alignment) {
+  map_ += kKeyframeShare * keyframe_;
+  keyframe_ = seenThrough(T_odom_camera, alignment);
+  const Eigen::Vector3d& place = T_odom_camera.translation();
+  places_.count += 1.0;
+  places_.sum += place;
+  places_.squares += place * place.transpose();
+}
+
+/// A scale that drifts at a keyframe displaces the camera by its share of the way from there; in the camera's axes.
+Matrix6 OdometryCovariance::scaleDrift(const SE3& T_odom_camera) const {
+  const Eigen::Vector3d& place = T_odom_camera.translation();
+  const Eigen::Matrix3d cross = place * places_.sum.transpose();
+  const Eigen::Matrix3d squares =
+      places_.count * place * place.transpose() - cross - cross.transpose() + places_.squares;
+  const Eigen::Matrix3d R_camera_odom = T_odom_camera.rotationMatrix().transpose();
+  Matrix6 drift = Matrix6::Zero();
+  drift.topLeftCorner<3, 3>() = kScaleDrift * kScaleDrift * R_camera_odom * squares * R_camera_odom.transpose();
+  return drift;
+}
+
+void OdometryCovariance::observeMotion(const TrackedFrame& tracked, double seconds) {
+  const Vector6& velocity = tracked.trajectory.velocity;
+  const double weight = 1.0 / static_cast<double>(++frames_);
+  speed_.linear += weight * (velocity.head<3>().squaredNorm() - speed_.linear);
+  speed_.angular += weight * (velocity.tail<3>().squaredNorm() - speed_.angular);
+  if (frames_ > 1 && seconds > 0.0 && seconds < kLongestInterval) {
+    const Vector6 acceleration = (velocity - velocity_) / seconds;
+    const double share = std::max(1.0 / static_cast<double>(frames_ - 1), std::min(1.0, seconds / kMemory));
+    acceleration_.linear += share * (acceleration.head<3>().squaredNorm() / 3.0 - acceleration_.linear);
+    acceleration_.angular += share * (acceleration.tail<3>().squaredNorm() / 3.0 - acceleration_.angular);
+  }
+  velocity_ = velocity;
+}
+
+Matrix6 OdometryCovariance::velocityCovariance(const TrackedFrame& tracked, double seconds) const {
+  const ExposureTrajectory& motion = tracked.trajectory;
+  if (motion.exposure > 0.0) {
+    // Where the blur says little, the motion since the last frame does: the prior of the alignment is in it.
+    const ExposureEstimate& estimate = tracked.exposure_estimate;
+    const bool told = tracked.frame->exposure && !estimate.used;
+    const double log_sigma = told ? 0.0 : std::min(estimate.log_sigma, kUnknownExposureSigma);
+    return tracked.covariance.bottomRightCorner<6, 6>() / (motion.exposure * motion.exposure) +
+           squareOf(log_sigma * motion.velocity);
+  }
+  if (frames_ < 3 || !(seconds > 0.0)) return kUnknownVariance * Matrix6::Identity();
+  // The difference of two poses that were measured alike, and what the velocity has changed by since.
+  const double lag = kLag * seconds;
+  return 2.0 / (seconds * seconds) * tracked.covariance.topLeftCorner<6, 6>() +
+         lag * lag * isotropic(acceleration_.linear, acceleration_.angular);
+}
+
+}  // namespace mba_vo
