@@ -55,8 +55,7 @@ bool ImageAssembler::lacksExposure(const InputImage& input, double waited) const
 
 bool ImageAssembler::lacksDepth(const InputImage& input, double waited, double now) const {
   const bool expected = last_depth_ && now - *last_depth_ < kDepthMemory;
-  return expected && waited < options_.depth_wait &&
-         !depths_.isSettled(toNanoseconds(input.message->header.stamp));
+  return expected && waited < options_.depth_wait && !depths_.isSettled(toNanoseconds(input.message->header.stamp));
 }
 
 std::vector<InputImage> ImageAssembler::takeReady(double now) {

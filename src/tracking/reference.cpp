@@ -4,12 +4,18 @@ namespace mba_vo {
 
 const char* toString(ReferenceCause cause) {
   switch (cause) {
-    case ReferenceCause::kMapBegins: return "map begins";
-    case ReferenceCause::kKeyframe: return "keyframe";
-    case ReferenceCause::kSharperImage: return "sharper image";
-    case ReferenceCause::kFoundAgain: return "found again";
-    case ReferenceCause::kSentAgain: return "sent again";
-    case ReferenceCause::kMapClosed: return "map closed";
+    case ReferenceCause::kMapBegins:
+      return "map begins";
+    case ReferenceCause::kKeyframe:
+      return "keyframe";
+    case ReferenceCause::kSharperImage:
+      return "sharper image";
+    case ReferenceCause::kFoundAgain:
+      return "found again";
+    case ReferenceCause::kSentAgain:
+      return "sent again";
+    case ReferenceCause::kMapClosed:
+      return "map closed";
   }
   return "";
 }

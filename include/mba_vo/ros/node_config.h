@@ -69,7 +69,8 @@ struct NodeConfig {
     v("path_period", c.path_period, 0.0, 3600.0, "shortest time between two messages on path [s]");
     v("points_period", c.points_period, 0.0, 3600.0, "shortest time between two messages on points [s]");
     v("record", c.record, "write down what is published: online_trajectory.txt, online_odometry.txt, frames.csv");
-    v("output_directory", c.output_directory, "where that and save_trajectory go; relative to the node's working directory");
+    v("output_directory", c.output_directory,
+      "where that and save_trajectory go; relative to the node's working directory");
     OdometryConfig::describe(c.odometry, v);
   }
 

@@ -15,8 +15,8 @@
 
 namespace mba_vo {
 
-/// The tracker half of the pipeline with a thread of its own, and what it has to say to ROS. All public functions return
-/// at once and may be called from any thread.
+/// The tracker half of the pipeline with a thread of its own, and what it has to say to ROS. All public functions
+/// return at once and may be called from any thread.
 class TrackerWorker {
  public:
   TrackerWorker(ros::NodeHandle& nh, const NodeConfig& config, StatusReporter& status);
