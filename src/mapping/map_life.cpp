@@ -1,0 +1,160 @@
+#include <utility>
+
+#include "mapper_impl.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr int kFramesUntilResend = 15;  // the first reference may still be on its way for a while
+
+MapperOutput saying(const std::string& message) { return {nullptr, std::nullopt, std::nullopt, message}; }
+
+}  // namespace
+
+MapperOutput Mapper::Impl::initialize(const FrameConstPtr& frame) {
+  MapperOutput output;
+  // Frames that were tracked late come once more.
+  if (newest_initializing_ns_ && frame->mid_exposure_ns <= *newest_initializing_ns_) return output;
+  newest_initializing_ns_ = frame->mid_exposure_ns;
+  std::unique_ptr<InitialMap> initial = initializer_.add(frame);
+  if (!initial) return saying(initializer_.reason());
+  const Vector6 velocity = referenceVelocity(*initial);
+  calibration_before_map_ = calibration_;
+  map_ =
+      std::make_unique<LocalMap>(config_, next_map_id_++, *initial, velocity, LocalMap::Place(), store_, calibration_);
+  output.message = "map " + std::to_string(map_->id()) + " initialised with " + std::to_string(initial->points.size()) +
+                   (initial->metric ? " measured points" : " points");
+  initial_frames_ = initializer_.bufferedFrames();
+  reference_ = begin(std::move(initial), velocity);
+  initializer_.reset();
+  output.reference = reference_;
+  return output;
+}
+
+ReferenceConstPtr Mapper::Impl::begin(std::unique_ptr<InitialMap> initial, const Vector6& velocity) {
+  const FrameConstPtr frame = initial->reference;
+  first_keyframe_ns_ = frame->mid_exposure_ns;
+  const ExposureTrajectory start{SE3(), velocity, frame->exposure.value_or(config_.tracker.unknown_exposure)};
+  const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kMapBegins, map_->newestKeyframe());
+  reference->hint = newestOf(*initial, start);
+  reference_ = reference;
+  integrate(referenceItself(*reference, frame, start), true);
+  last_ = *reference->hint;
+  selector_.restart(last_.mid_exposure_ns, reference->T_map_reference * last_.trajectory.T_reference_mid);
+  deferred_.begin(std::move(initial), MotionState(start, frame->mid_exposure_ns), initial_frames_,
+                  last_.mid_exposure_ns, reference_);
+  recovery_.keep(*reference_, *frame, *map_);
+  deblur(frame);
+  return reference;
+}
+
+MapperOutput Mapper::Impl::giveUp(MapperOutput output) {
+  const std::shared_ptr<Reference> last =
+      closed("map " + std::to_string(map_->id()) + " was given up: " + health_.doubt());
+  const auto bad = static_cast<KeyframeId>(health_.badInARow());
+  const bool young = health_.isYoung();
+  if (map_->isMetric() && (young || health_.contradictsDepths())) initializer_.doubtDepths(health_.contradictsDepths());
+  store_.forget(map_->id(), young || bad > map_->newestKeyframe() ? 0 : map_->newestKeyframe() + 1 - bad);
+  const std::vector<FrameConstPtr> frames = young ? initial_frames_ : std::vector<FrameConstPtr>();
+  const std::int64_t failed_ns = first_keyframe_ns_;
+  forgetMap();
+  calibration_ = calibration_before_map_;
+  last->correction = calibration_.correction();
+  output.message = last->closed_because;
+  output.reference = last;
+  for (const FrameConstPtr& frame : frames) {
+    if (frame->mid_exposure_ns <= failed_ns) continue;
+    const MapperOutput again = initialize(frame);
+    if (!again.reference) continue;
+    output.reference = again.reference;
+    output.message += "; " + again.message;
+    break;
+  }
+  return output;
+}
+
+MapperOutput Mapper::Impl::handleLost(const TrackedFrame& frame) {
+  MapperOutput output;
+  if (const TrackedFrameConstPtr chosen = selector_.takeNow()) {
+    output.keyframe = insertKeyframe(chosen);
+    return withKeyframe(std::move(output));
+  }
+  if (const auto found = recovery_.lose(frame, health_.usualFrameError())) return goOnFrom(*found);
+  if (!recovery_.isLostForGood()) return output;
+  output.reference = closed("lost for too long, no map yet");
+  output.message = "lost for too long: a new map begins";
+  forgetMap();
+  return output;
+}
+
+MapperOutput Mapper::Impl::goOnFrom(const Relocalizer::Found& found) {
+  const bool departed = !map_->has(found.keyframe);
+  if (departed) map_ = recovery_.windowAt(found, *map_, store_, calibration_);
+  const KeyframeId keyframe = departed ? map_->newestKeyframe() : found.keyframe;
+  const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kFoundAgain, keyframe, health_.doubt());
+  reference->hint = found.hint;
+  reference_ = reference;
+  if (departed) deblur(found.keyframe_frame);
+  last_ = found.hint;
+  last_keyframe_ = keyframe;
+  selector_.restart(last_.mid_exposure_ns, reference->T_map_reference * last_.trajectory.T_reference_mid);
+  MapperOutput output;
+  output.reference = reference_;
+  output.message = "found again by keyframe " + std::to_string(found.keyframe);
+  return output;
+}
+
+MapperOutput Mapper::Impl::resend() {
+  MapperOutput output;
+  if (++frames_without_reference_ % kFramesUntilResend != 0) return output;
+  auto copy = std::make_shared<Reference>(*reference_);
+  copy->cause = ReferenceCause::kSentAgain;
+  copy->hint = last_;
+  copy->hint->trajectory.T_reference_mid = copy->T_map_reference.inverse() *
+                                           store_.T_map_keyframe(map_->id(), last_keyframe_) *
+                                           last_.trajectory.T_reference_mid;
+  reference_ = copy;
+  output.reference = reference_;
+  output.message = "the tracker has no reference: the current one is sent again";
+  return output;
+}
+
+MapperOutput Mapper::Impl::stale(const TrackedFrame& frame) {
+  return saying("frame " + std::to_string(frame.frame->sequence) + " was tracked in map " +
+                std::to_string(frame.reference.map_id) + ", which is no more");
+}
+
+std::shared_ptr<Reference> Mapper::Impl::closed(const std::string& reason) const {
+  auto last = std::make_shared<Reference>(*reference_);
+  last->cause = ReferenceCause::kMapClosed;
+  last->closed_because = reason;
+  return last;
+}
+
+void Mapper::Impl::reset() {
+  if (map_) deferred_.finish(*map_, store_);
+  abandonMap();
+}
+
+void Mapper::Impl::abandonMap() {
+  forgetMap();
+  calibration_ = CalibrationEstimator(config_.start_correction);
+  initializer_.trustDepths();
+}
+
+void Mapper::Impl::forgetMap() {
+  map_.reset();
+  reference_.reset();
+  initializer_.reset();
+  newest_initializing_ns_.reset();
+  health_.reset();
+  recovery_.reset();
+  deblurring_.forgetMap();
+  initial_frames_.clear();
+  selector_.reset();
+  deferred_.reset();
+  last_ = {};
+  frames_without_reference_ = 0;
+}
+
+}  // namespace mba_vo

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mba_vo/mapping/deferred_tracking.h"
+#include "mba_vo/mapping/keyframe_selector.h"
+#include "mba_vo/mapping/mapper.h"
+#include "mba_vo/mapping/recovery.h"
+
+namespace mba_vo {
+
+/// The way of a frame through the mapper is in mapper.cpp; how a map begins, is lost, found again and given up in
+/// map_life.cpp.
+class Mapper::Impl {
+ public:
+  Impl(const MapperConfig& config, DraftCallback on_draft, std::shared_ptr<const Deblurrer> deblurrer);
+
+  MapperOutput process(const TrackedFrameConstPtr& frame, bool has_time);
+  bool doDeferredWork() { return map_ && deferred_.doNext(*map_, store_); }
+  std::vector<TrajectoryEntry> finishedTrajectory() const;
+  void reset();
+  void abandonMap();
+
+  ReferenceConstPtr currentReference() const { return reference_; }
+  const CalibrationCorrection& correction() const { return calibration_.correction(); }
+  const TrajectoryStore& store() const { return store_; }
+  std::vector<MapPoint> points() const { return map_ ? map_->points() : std::vector<MapPoint>(); }
+  DeblurCounts deblurCounts() const { return deblurring_.counts(); }
+
+ private:
+  /// A frame that is no newer than the last one was tracked again: its pose is better now, the map has it already.
+  MapperOutput revise(const TrackedFrameConstPtr& frame);
+  MapperOutput refine(const TrackedFrameConstPtr& frame, bool has_time);
+  /// The tracker is given the sharp image if it is using the blurred one.
+  void takeSharpKeyframe(MapperOutput& output);
+  std::optional<KeyframeReport> integrate(const TrackedFrameConstPtr& frame, bool has_time);
+  KeyframeReport insertKeyframe(const TrackedFrameConstPtr& chosen);
+  /// After a keyframe has been inserted.
+  MapperOutput withKeyframe(MapperOutput output);
+  /// The newest keyframe, made of this frame.
+  void deblur(const FrameConstPtr& frame, const Vector6& acceleration = Vector6::Zero(),
+              const std::optional<Vector6>& measured_velocity = std::nullopt);
+  /// Of a keyframe in the window, for the tracker.
+  std::shared_ptr<Reference> snapshot(ReferenceCause cause, KeyframeId keyframe, const std::string& doubt = {});
+
+  MapperOutput initialize(const FrameConstPtr& frame);
+  /// The first reference, with a hint about the newest frame whose pose the initialiser knows: the tracker goes on from
+  /// there. Those that came before are tracked, for the trajectory, when there is time.
+  ReferenceConstPtr begin(std::unique_ptr<InitialMap> initial, const Vector6& velocity);
+  /// The map is wrong. Its last poses are forgotten, all of them if it has only just begun; the tracker is told to
+  /// leave it. What a young map was made of may hold a better one.
+  MapperOutput giveUp(MapperOutput output);
+  MapperOutput handleLost(const TrackedFrame& frame);
+  /// The camera was found by a keyframe. If that has left the window, a new window begins with it.
+  MapperOutput goOnFrom(const Relocalizer::Found& found);
+  /// A tracker that goes on without a reference while there is a map was restarted; it is given the current one.
+  MapperOutput resend();
+  static MapperOutput stale(const TrackedFrame& frame);
+  /// Tells the tracker to leave the map.
+  std::shared_ptr<Reference> closed(const std::string& reason) const;
+  /// Back to the search for a first map. The poses found so far stay, and so does what is known of the calibration.
+  void forgetMap();
+
+  MapperConfig config_;
+  DraftCallback on_draft_;  // may be empty
+  Initializer initializer_;
+  KeyframeSelector selector_;
+  TrajectoryStore store_;
+  CalibrationEstimator calibration_;
+  CalibrationEstimator calibration_before_map_;  // what a wrong map says about it is not believed
+  std::unique_ptr<LocalMap> map_;
+  ReferenceConstPtr reference_;
+  MapId next_map_id_ = 1;
+  MapHealth health_;
+  Recovery recovery_;
+  DeferredTracking deferred_;
+  KeyframeDeblurring deblurring_;
+  std::optional<std::int64_t> newest_initializing_ns_;  // of the frames given to the initialiser
+  std::vector<FrameConstPtr> initial_frames_;           // that the initialiser had when the map began
+  std::int64_t first_keyframe_ns_ = 0;
+  TrackingHint last_;  // the newest tracked frame, relative to last_keyframe_
+  KeyframeId last_keyframe_ = 0;
+  int frames_without_reference_ = 0;
+  std::uint32_t revision_ = 0;  // of the next snapshot
+};
+
+}  // namespace mba_vo
