@@ -4,7 +4,7 @@
 
 namespace mba_vo {
 
-void DeferredTracking::begin(std::shared_ptr<const InitialMap> initial, const MotionState& start,
+void DeferredTracking::begin(const std::shared_ptr<const InitialMap>& initial, const MotionState& start,
                              const std::vector<FrameConstPtr>& frames, std::int64_t until_ns,
                              const ReferenceConstPtr& first_keyframe) {
   const std::int64_t origin_ns = initial->reference->mid_exposure_ns;

@@ -22,7 +22,7 @@ void FrameTracking::begin(const ReferenceConstPtr& reference, const SE3& T_odom_
 }
 
 SE3 FrameTracking::changeReference(const ReferenceConstPtr& reference) {
-  const SE3 T_new_old = T_newReference_oldReference(*reference);
+  SE3 T_new_old = T_newReference_oldReference(*reference);
   state_.changeReference(T_new_old);
   exposures_.changeReference(T_new_old);
   T_odom_reference_ = T_odom_reference_ * T_new_old.inverse();
@@ -32,7 +32,7 @@ SE3 FrameTracking::changeReference(const ReferenceConstPtr& reference) {
 }
 
 SE3 FrameTracking::recover(const ReferenceConstPtr& reference) {
-  const SE3 T_new_old = changeReference(reference);
+  SE3 T_new_old = changeReference(reference);
   state_ = TrackingState(*reference);
   T_odom_reference_ = T_odom_camera_ * state_.T_reference_last().inverse();
   return T_new_old;

@@ -21,12 +21,12 @@ TrackerPipeline::TrackerPipeline(const TrackerPipelineConfig& config, std::uint6
 std::vector<CameraImage> TrackerPipeline::addImage(const CameraImage& image, double arrival) {
   std::vector<CameraImage> shed;
   for (const Job& job : queue_.push(QueuedImage{image, arrival})) {
-    shed.push_back(std::get<CameraImage>(std::get<QueuedImage>(job).image));
+    shed.push_back(std::get<QueuedImage>(job).image);
   }
   return shed;
 }
 
-void TrackerPipeline::addFrame(const FrameConstPtr& frame) { queue_.push(QueuedImage{frame}); }
+void TrackerPipeline::addFrame(const FrameConstPtr& frame) { queue_.push(frame); }
 
 void TrackerPipeline::addReference(const MapperMessage& reference) {
   const std::lock_guard<std::mutex> lock(references_mutex_);
@@ -43,7 +43,7 @@ std::optional<TrackerStep> TrackerPipeline::step() {
     case Turn::kQueue:
       return takeJob();
     case Turn::kWaitingFrame:
-      if (const auto late = trackWaiting(true)) return late;
+      if (auto late = trackWaiting(true)) return late;
       if (!queue_.empty()) return takeJob();
       return std::nullopt;
     case Turn::kNothing:
@@ -104,19 +104,23 @@ void TrackerPipeline::adoptReferences() {
 TrackerStep TrackerPipeline::takeJob() {
   const std::optional<Job> job = queue_.pop();
   if (const auto* image = std::get_if<QueuedImage>(&*job)) return takeImage(*image);
+  if (const auto* frame = std::get_if<FrameConstPtr>(&*job)) return takeFrame(*frame);
   if (const auto* calibration = std::get_if<CameraCalibration>(&*job)) return takeCalibration(*calibration);
   return reset("reset");
+}
+
+TrackerStep TrackerPipeline::takeFrame(const FrameConstPtr& frame) {
+  late_since_image_ = false;
+  TrackerStep step;
+  track(frame, step);
+  return step;
 }
 
 TrackerStep TrackerPipeline::takeImage(const QueuedImage& queued) {
   late_since_image_ = false;
   TrackerStep step;
   step.arrival = queued.arrival;
-  if (const auto* frame = std::get_if<FrameConstPtr>(&queued.image)) {
-    track(*frame, step);
-    return step;
-  }
-  const auto& image = std::get<CameraImage>(queued.image);
+  const CameraImage& image = queued.image;
   const ImageIntake::Result taken = intake_.take(image);
   step.build_ms = taken.build_ms;
   if (taken.clock_restarted) beginSession();
@@ -204,9 +208,9 @@ TrackerMessage TrackerPipeline::messageOf(const TrackedFrameConstPtr& tracked) c
 
 std::size_t TrackerPipeline::bytesOf(const Job& job) {
   const auto* queued = std::get_if<QueuedImage>(&job);
-  const auto* image = queued ? std::get_if<CameraImage>(&queued->image) : nullptr;
-  if (!image) return 0;
-  return image->image.total() * image->image.elemSize() + image->depth.total() * sizeof(float);
+  if (!queued) return 0;
+  const CameraImage& image = queued->image;
+  return image.image.total() * image.image.elemSize() + image.depth.total() * sizeof(float);
 }
 
 /// The image whose neighbours are closest in time: images are thinned out evenly, so that the camera moves as little as
@@ -216,10 +220,9 @@ std::size_t TrackerPipeline::mostDispensable(const std::deque<Job>& jobs) {
   std::vector<std::int64_t> stamps;  // [ns]
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     const auto* queued = std::get_if<QueuedImage>(&jobs[i]);
-    const auto* image = queued ? std::get_if<CameraImage>(&queued->image) : nullptr;
-    if (!image) continue;
+    if (!queued) continue;
     images.push_back(i);
-    stamps.push_back(image->stamp_ns);
+    stamps.push_back(queued->image.stamp_ns);
   }
   std::size_t best = images.empty() ? jobs.size() : images.front();
   std::int64_t closest = std::numeric_limits<std::int64_t>::max();

@@ -222,7 +222,7 @@ void TrackingLoop::leaveRevisions() {
 
 std::shared_ptr<TrackedFrame> TrackingLoop::track(const WaitingFrame& next) {
   RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, KeyframeScheduler::kLost, frames_.state()};
-  const auto tracked = frames_.track(next.frame);
+  auto tracked = frames_.track(next.frame);
   if (tracked->tracked()) {
     scheduler_.judge(*frames_.reference(), next.mapped, *tracked);
     entry.mapped = next.mapped || !tracked->provisional;

@@ -55,7 +55,7 @@ const char* toString(PhaseEvent event) {
 const std::vector<PhaseTransition>& phaseTransitions() {
   using P = TrackingPhase;
   using E = PhaseEvent;
-  static const std::vector<PhaseTransition> transitions = {
+  static const std::vector<PhaseTransition> kTransitions = {
       {P::kNoMap, E::kMapBegins, P::kCatchingUp},
       {P::kNoMap, E::kReset, P::kNoMap},
 
@@ -100,7 +100,7 @@ const std::vector<PhaseTransition>& phaseTransitions() {
       {P::kLost, E::kFrameLost, P::kLost},
       {P::kLost, E::kReset, P::kNoMap},
   };
-  return transitions;
+  return kTransitions;
 }
 
 TrackingPhase nextPhase(TrackingPhase phase, PhaseEvent event) {

@@ -57,7 +57,8 @@ std::uint64_t hashOf(const std::vector<TimedPose>& poses) {
 
 MotionPiece::MotionPiece(const SimulationConfig& config) : MotionPiece(cut(config)) {}
 
-MotionPiece::MotionPiece(const SimulationConfig& config, std::vector<TimedPose> poses, double first_frame, double span)
+MotionPiece::MotionPiece(const SimulationConfig& config, const std::vector<TimedPose>& poses, double first_frame,
+                         double span)
     : first_frame_(first_frame), span_(span), margin_(config.exposureMargin()), hash_(hashOf(poses)), motion_(poses) {}
 
 MotionPiece MotionPiece::cut(const SimulationConfig& config) {
@@ -74,7 +75,7 @@ MotionPiece MotionPiece::cut(const SimulationConfig& config) {
     if (pose.t > begin - kNeighbourhood && pose.t < begin + length + kNeighbourhood) poses.push_back(pose);
   }
   placeOverFloor(poses);
-  return {config, std::move(poses), begin + margin, length - 2.0 * margin};
+  return {config, poses, begin + margin, length - 2.0 * margin};
 }
 
 std::vector<Eigen::Vector3d> MotionPiece::path() const {

@@ -17,7 +17,7 @@ class DeferredTracking {
   explicit DeferredTracking(const MapperConfig& config) : config_(config), refinement_(config) {}
 
   /// A map begins: of `frames` (by time), those up to `until_ns` are tracked from its first keyframe on.
-  void begin(std::shared_ptr<const InitialMap> initial, const MotionState& start,
+  void begin(const std::shared_ptr<const InitialMap>& initial, const MotionState& start,
              const std::vector<FrameConstPtr>& frames, std::int64_t until_ns, const ReferenceConstPtr& first_keyframe);
   /// The map has taken in a frame, or one of them once more.
   void add(const TrackedFrameConstPtr& tracked);

@@ -91,11 +91,11 @@ class TrackerPipeline {
 
  private:
   struct QueuedImage {
-    std::variant<CameraImage, FrameConstPtr> image;
+    CameraImage image;
     double arrival = 0.0;
   };
   struct ResetRequest {};
-  using Job = std::variant<QueuedImage, CameraCalibration, ResetRequest>;
+  using Job = std::variant<QueuedImage, FrameConstPtr, CameraCalibration, ResetRequest>;
   enum class Turn { kQueue, kWaitingFrame, kNothing };
 
   static std::size_t bytesOf(const Job& job);
@@ -103,6 +103,7 @@ class TrackerPipeline {
   Turn turn() const;
   TrackerStep takeJob();
   TrackerStep takeImage(const QueuedImage& queued);
+  TrackerStep takeFrame(const FrameConstPtr& frame);
   TrackerStep takeCalibration(const CameraCalibration& calibration);
   std::optional<TrackerStep> trackWaiting(bool may_hold);
   TrackerStep reset(const std::string& reason);

@@ -31,7 +31,7 @@ class MotionPiece {
   std::uint64_t hash() const { return hash_; }
 
  private:
-  MotionPiece(const SimulationConfig& config, std::vector<TimedPose> poses, double first_frame, double span);
+  MotionPiece(const SimulationConfig& config, const std::vector<TimedPose>& poses, double first_frame, double span);
   static MotionPiece cut(const SimulationConfig& config);
 
   double first_frame_;  // on the clock of the motion [s]
