@@ -41,12 +41,13 @@ heading "Simulating a blurred sequence"
 "$bin/mba_vo_simulate" --output "$output/sequence" --overwrite --bag "$output/sequence.bag" "${simulation[@]}"
 
 heading "Playing it through the ROS nodes at real speed"
-rm -f "$output/trajectory.txt" "$output/exposure_trajectory.txt" "$output/trajectory.png"
+rm -f "$output"/*trajectory.txt "$output/online_odometry.txt" "$output/frames.csv" "$output/trajectory.png"
 roslaunch mba_vo demo.launch bag:="$output/sequence.bag" output:="$output" rviz:=$rviz
 [ -s "$output/exposure_trajectory.txt" ] || { echo "demo.sh: the nodes wrote no trajectory" >&2; exit 1; }
 
 heading "Comparing with the truth"
-"$bin/mba_vo_evaluate" --groundtruth "$output/sequence/groundtruth_exposure.txt" \
-  --estimate "$output/exposure_trajectory.txt" --plot "$output/trajectory.png"
-printf '\nTrajectory  %s\n            %s (start and end of every exposure)\nPlot        %s\nSequence    %s\n' \
-  "$output/trajectory.txt" "$output/exposure_trajectory.txt" "$output/trajectory.png" "$output/sequence.bag"
+"$bin/mba_vo_evaluate" --groundtruth "$output/sequence/groundtruth_exposure.txt" --run "$output" \
+  --plot "$output/trajectory.png"
+printf '\nAs published  %s\nSmoothed      %s\n              %s (start and end of every exposure)\nPlot          %s\nSequence      %s\n' \
+  "$output/online_trajectory.txt" "$output/trajectory.txt" "$output/exposure_trajectory.txt" "$output/trajectory.png" \
+  "$output/sequence.bag"

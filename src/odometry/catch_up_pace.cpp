@@ -23,7 +23,7 @@ std::size_t CatchUpPace::framesToLeaveOut(std::size_t waiting, std::int64_t newe
   if (elapsed < kLeastTime) return 0;
   const double can_be_tracked = static_cast<double>(tracked) / elapsed * std::max(0.0, kLongestCatchUp - elapsed);
   const double stride = std::ceil(static_cast<double>(waiting) / std::max(1.0, can_be_tracked));
-  return static_cast<std::size_t>(std::min(stride - 1.0, kMostLeftOut));
+  return static_cast<std::size_t>(elapsed < kLongestCatchUp ? std::min(stride - 1.0, kMostLeftOut) : stride - 1.0);
 }
 
 }  // namespace mba_vo

@@ -1,0 +1,65 @@
+#!/usr/bin/env bash
+# Renders three short sequences, runs the odometry over each from five starts, as if live (mba_vo_offline --live), and fails
+# if the median of the error, as published or smoothed, is above its limit: 1.5 times what it was when this was last set.
+#
+#   scripts/check_accuracy.sh [--output DIR] [--bin DIR]
+#
+#   --output DIR   folder for sequences and trajectories (output/check_accuracy)
+#   --bin DIR      folder of the programs (devel/lib/mba_vo)
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+output=output/check_accuracy
+bin=devel/lib/mba_vo
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --output) output=${2:?--output needs a folder}; shift ;;
+    --bin) bin=${2:?--bin needs a folder}; shift ;;
+    -h | --help) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
+    *) echo "check_accuracy.sh: '$1' is no option; see --help" >&2; exit 2 ;;
+  esac
+  shift
+done
+
+source scripts/figures.sh
+starts=(0 5 10 15 20)
+
+# Limits in mm, as published and smoothed, and how each is rendered.
+declare -A limits=([hand]="9 9" [gentle]="9 9" [dim]="9 9")
+declare -A options=(
+  [hand]="--scene-seed 31 --trajectory-seed 31"
+  [gentle]="--scene-seed 32 --trajectory-seed 32 --shake 0.4"
+  [dim]="--scene-seed 33 --trajectory-seed 33 --shake 0.6 --exposure 0.035 --noise 2"
+)
+
+failed=0
+# check NAME WHAT LIMIT VALUE...: values in m
+check() {
+  local value
+  value=$(median "${@:4}")
+  if awk -v v="$value" -v limit="$3" 'BEGIN { exit !(v > 0 && 1e3 * v <= limit) }'; then
+    printf '%s, %s: %.2f mm of at most %s\n' "$1" "$2" "$(awk -v v="$value" 'BEGIN { print 1e3 * v }')" "$3"
+  else
+    printf '%s, %s: %s m, more than %s mm\n' "$1" "$2" "$value" "$3" >&2
+    failed=1
+  fi
+}
+
+print_header
+for name in hand gentle dim; do
+  read -r -a arguments <<<"${options[$name]}"
+  sequence=$output/sequences/$name
+  if [ ! -s "$sequence/blur_px.txt" ]; then  # the last thing to be written
+    "$bin/mba_vo_simulate" --width 376 --height 240 --fx 215 --duration 7 "${arguments[@]}" --output "$sequence" --overwrite >/dev/null
+  fi
+  published=() smoothed=()
+  for start in "${starts[@]}"; do
+    run_and_print "$name-$start" "$sequence" --live --skip "$start"
+    published+=("$(figure "$output/$name-$start/evaluation.yaml" causal.map.ate rmse)")
+    smoothed+=("$(figure "$output/$name-$start/evaluation.yaml" smoothed.ate rmse)")
+  done
+  read -r -a limit <<<"${limits[$name]}"
+  check "$name" "as published" "${limit[0]}" "${published[@]}"
+  check "$name" smoothed "${limit[1]}" "${smoothed[@]}"
+done
+exit $failed
