@@ -11,6 +11,7 @@ namespace mba_vo {
 namespace {
 
 constexpr int kMicroseconds = 6;
+constexpr int kCovarianceDigits = 10;  // a motion that odometry has missed leaves far larger variances than others
 
 std::string quoted(const std::string& text) {
   std::string result = "\"";
@@ -32,7 +33,7 @@ std::string optionalText(const std::optional<Value>& value, int decimals) {
 /// The upper triangle, row by row.
 std::string upperTriangle(const Matrix6& matrix) {
   std::ostringstream text;
-  text << std::setprecision(kMicroseconds);
+  text << std::setprecision(kCovarianceDigits);
   for (int row = 0; row < 6; ++row) {
     for (int column = row; column < 6; ++column) {
       text << (row + column > 0 ? " " : "") << matrix(row, column);

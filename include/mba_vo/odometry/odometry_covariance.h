@@ -17,11 +17,10 @@ struct MotionCovariance {
 
 /// Follows what is published, image by image, and says how well it is known. In a map, where its first pose is exact by
 /// definition:
-///   map   an alignment ties the map to that pose. The keyframe in use is known relative to the one before as well as
-///   the
-///         last frame was; of that a share remains once the map has been optimised with the next one, and adds up along
-///         the keyframes. What the map is corrected by tells how well it was known; its scale drifts a little with each
-///         keyframe. Then comes the alignment of the frame itself.
+///   map   an alignment ties the map to that pose. The keyframe in use is known relative to the one before as well
+///         as the last frame was; of that a share remains once the map has been optimised with the next one, and
+///         adds up along the keyframes. What the map is corrected by tells how well it was known; its scale drifts a
+///         little with each keyframe. Then comes the alignment of the frame itself.
 ///   odom  moreover, odometry does not follow when the map is corrected, nor when a lost camera is found again:
 ///         what map -> odom has moved by since the map began is missing in it.
 /// Between two maps nothing measures the position, and nothing the rotation until there is a result again: the camera
