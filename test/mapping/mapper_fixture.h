@@ -11,7 +11,7 @@
 
 namespace mba_vo::test {
 
-inline constexpr int kFrames = 60;
+inline constexpr int kFrames = 80;
 
 /// Sharp images are enough to tell what the mapper does with its input.
 inline const std::vector<FrameConstPtr>& frames() {

@@ -94,7 +94,7 @@ TEST(Mapper, ATrackedFrameEntersTheTrajectoryAndALostOneDoesNot) {
   // A keyframe that was waiting for this frame may have been inserted, and the window refined.
   const SE3 T_map_keyframe = mapper.currentReference()->T_map_keyframe.at(reference.id.keyframe_id);
   const SE3 expected = T_map_keyframe * T_reference_mid;
-  EXPECT_LT((trajectory.back().trajectory.T_reference_mid.inverse() * expected).log().norm(), 1e-9);
+  EXPECT_LT((trajectory.back().trajectory.T_reference_mid.inverse() * expected).log().norm(), 1e-7);  // kept as float
 }
 
 /// Feeds `count` frames that see the reference badly, turned away by 0.1 rad more each; true if a keyframe comes of
@@ -162,9 +162,11 @@ TEST(Mapper, ARestartedTrackerIsGivenTheCurrentReferenceAgain) {
   ASSERT_NE(again, nullptr);
   EXPECT_EQ(again->id.map_id, initial.output.reference->id.map_id);
   ASSERT_TRUE(again->hint);
-  EXPECT_EQ(again->hint->mid_exposure_ns, mapper.trajectory().back().mid_exposure_ns);
+  const TrackingHint& first = *initial.output.reference->hint;  // nothing was tracked since
+  EXPECT_EQ(again->hint->mid_exposure_ns, first.mid_exposure_ns);
   const SE3 T_map_hint = again->T_map_reference * again->hint->trajectory.T_reference_mid;
-  EXPECT_LT((T_map_hint.inverse() * mapper.trajectory().back().trajectory.T_reference_mid).log().norm(), 1e-9);
+  const SE3 T_map_first = initial.output.reference->T_map_reference * first.trajectory.T_reference_mid;
+  EXPECT_LT((T_map_hint.inverse() * T_map_first).log().norm(), 1e-9);
 }
 
 TEST(Mapper, ResetForgetsTheMapButNotTheTrajectory) {
