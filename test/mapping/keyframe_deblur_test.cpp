@@ -15,7 +15,7 @@
 namespace mba_vo::test {
 namespace {
 
-constexpr int kImages = 40;
+constexpr int kImages = 60;
 constexpr double kExposure = 0.03;  // [s]
 
 /// Blurred images and what they would be without blur.
