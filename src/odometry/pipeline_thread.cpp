@@ -15,13 +15,13 @@ PipelineThread::PipelineThread(Work work, Priority priority) : work_(std::move(w
   });
 }
 
-PipelineThread::~PipelineThread() {
+void PipelineThread::stop() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     stopped_ = true;
   }
   changed_.notify_one();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 void PipelineThread::wake() {

@@ -50,6 +50,12 @@ class Threads {
         tracking_({[this] { return track(); }, [this](const std::string&) { tracker_.requestReset(); }}) {
     tracker_.setCalibration(sequence().calibration);
   }
+  ~Threads() {
+    tracking_.stop();
+    mapping_.stop();
+  }
+  Threads(const Threads&) = delete;
+  Threads& operator=(const Threads&) = delete;
 
   void add(int index, std::int64_t later_ns = 0) {
     const SimulatedFrame& frame = sequence().frames.at(static_cast<std::size_t>(index));
@@ -134,6 +140,8 @@ TEST(PipelineThreads, TrackMapSaveResetFailAndEnd) {
   for (int i = 0; i < kImages; ++i) threads.add(i, 20000000000);
   EXPECT_EQ(threads.failures(), 1);
   EXPECT_GT(threads.trajectory().size(), second);
+  threads.reset();
+  for (int i = 0; i < 30; ++i) threads.add(i, 30000000000);  // and ends while it works
 }
 
 }  // namespace

@@ -20,13 +20,14 @@ class PipelineThread {
   };
 
   explicit PipelineThread(Work work, Priority priority = Priority::kOrdinary);
-  /// Ends after the step that is being done.
-  ~PipelineThread();
+  ~PipelineThread() { stop(); }
   PipelineThread(const PipelineThread&) = delete;
   PipelineThread& operator=(const PipelineThread&) = delete;
 
-  /// There is something to do. May be called from any thread.
+  /// There is something to do. May be called from any thread, also when it has been stopped.
   void wake();
+  /// Ends it after the step that is being done. Two threads that wake each other are both stopped before either goes.
+  void stop();
 
  private:
   void run();
