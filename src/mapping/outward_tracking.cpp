@@ -40,7 +40,8 @@ Vector6 referenceVelocity(const InitialMap& initial) {
 TrackingHint newestOf(const InitialMap& initial, const ExposureTrajectory& start) {
   const FrameConstPtr& reference = initial.reference;
   // A map of measured depths begins with the first images.
-  if (initial.metric || initial.poses.empty() || initial.poses.back().frame->mid_exposure_ns <= reference->mid_exposure_ns) {
+  if (initial.metric || initial.poses.empty() ||
+      initial.poses.back().frame->mid_exposure_ns <= reference->mid_exposure_ns) {
     return {reference->sequence, reference->mid_exposure_ns, start};
   }
   FiniteDifferenceVelocity motion;
