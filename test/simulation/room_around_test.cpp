@@ -1,4 +1,5 @@
 #include <cstdlib>
+#include <ostream>
 
 #include <gtest/gtest.h>
 
@@ -74,6 +75,10 @@ struct Extent {
   Eigen::Vector3d half_size;
   double path_length;
 };
+
+std::ostream& operator<<(std::ostream& out, const Extent& extent) {
+  return out << extent.half_size.transpose() << " m, a path of " << extent.path_length << " m";
+}
 
 class RoomAround : public testing::TestWithParam<Extent> {};
 
