@@ -5,10 +5,10 @@
 
 namespace mba_vo {
 
-/// How long the steps of the pipeline take on a machine. Times are those of one core [ms]. What decides about a
-/// step's time is counted, not measured, so that the same run always takes the same time. The defaults are those of a
-/// core of 2.1 GHz: medians of machine.yaml of `taskset --cpu-list 0 mba_vo_offline` over desk, shake, kitchen and
-/// spin.
+/// How long the steps of the pipeline take on a machine. Times are those of one core [ms]. What decides about a step's
+/// time is counted, not measured, so that the same run always takes the same time. The defaults are those of a core of
+/// 2.1 GHz: medians of machine.yaml of `taskset --cpu-list 0 mba_vo_offline` over desk, shake, kitchen and spin, the
+/// other core busy as it is in live runs. That of `relocalize` is a guess: nothing was lost there.
 struct Machine {
   double cores = 2.0;              // that can be used at a time
   double image = 0.3;              // a frame is made of an image
