@@ -6,7 +6,7 @@
 namespace mba_vo {
 namespace {
 
-// Chosen by scripts/accuracy.sh --live on desk, shake, kitchen and spin from images 0, 10 and 20.
+// Chosen by simulated live runs (mba_vo_offline --live) of desk from image 20, shake from 10 and 20, kitchen from 0.
 constexpr double kLeastTime = 0.1;       // [s] until the pace is known: three images at 30 Hz
 constexpr double kLongestCatchUp = 2.0;  // [s] after which no frame shall wait
 constexpr double kMostLeftOut = 2.0;  // frames for each one that is tracked: with more, maps are lost on shaken starts
