@@ -14,6 +14,7 @@ if [ "${1:-}" = --no-install ]; then
 else
   scripts/install_dependencies.sh
 fi
+export CCACHE_SLOPPINESS=pch_defines,time_macros  # precompiled headers
 if command -v ccache >/dev/null; then set -- -DCMAKE_CXX_COMPILER_LAUNCHER=ccache "$@"; fi
 cmake -S . -B build "$@"
 cmake --build build -j "${MBA_VO_JOBS:-$(nproc)}"

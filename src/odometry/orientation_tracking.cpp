@@ -12,13 +12,22 @@ namespace {
 
 constexpr float kFar = 1e-6F;            // inverse depth of everything
 constexpr int kPoints = 1000;            // of a reference
+constexpr int kPatches = 120;            // aligned per frame: a rotation needs few, and the initialiser the time
 constexpr double kLargestFlow = 0.15;    // of the image's width, after which another reference is taken
 constexpr double kLeastVisible = 0.7;    // the same, share of the points
 constexpr double kLeastInliers = 0.8;    // the same: parallax has made it differ
 constexpr double kSharpBlur = 2.0;       // [px]; a blurred frame becomes the reference only when it has to
 constexpr double kMostReluctance = 1.5;  // how much later than a sharp one
 
+TrackerConfig withFewPatches(TrackerConfig config) {
+  config.max_points = std::min(config.max_points, kPatches);
+  return config;
+}
+
 }  // namespace
+
+OrientationTracking::OrientationTracking(const TrackerConfig& config)
+    : tracker_(withFewPatches(config)), config_(config) {}
 
 void OrientationTracking::reset() {
   reference_.reset();

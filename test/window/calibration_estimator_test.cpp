@@ -35,6 +35,18 @@ TEST(CalibrationEstimator, DoesNotMoveForWhatIsNotSignificant) {
   EXPECT_TRUE(estimator.correction().isZero());
 }
 
+/// A fiftieth of the windows' information counts, so that each adds 1 to chi^2 here.
+TEST(CalibrationEstimator, StepsAsSoonAsTheErrorIsSignificant) {
+  Vector truth = Vector::Zero();
+  truth(CalibrationCorrection::kRowTime) = 5e-6;
+  CalibrationEstimator estimator;
+  int windows = 1;
+  while (windows < 100 && !estimator.add(windowOf(truth, estimator.correction(), 2.0))) ++windows;
+  EXPECT_GE(windows, 12);
+  EXPECT_LE(windows, 15) << "the prior takes a little away";
+  EXPECT_GT(estimator.correction()[CalibrationCorrection::kRowTime], 4e-6);
+}
+
 TEST(CalibrationEstimator, WantsSeveralWindowsToAgree) {
   Vector truth = Vector::Zero();
   truth(CalibrationCorrection::kFocal) = 0.02;

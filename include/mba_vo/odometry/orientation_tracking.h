@@ -12,7 +12,7 @@ namespace mba_vo {
 /// that is seen were infinitely far away. Where the camera only turns, that is as good as with depths.
 class OrientationTracking {
  public:
-  explicit OrientationTracking(const TrackerConfig& config) : tracker_(config), config_(config) {}
+  explicit OrientationTracking(const TrackerConfig& config);
 
   /// Aligns the next frame. True if its rotation was measured, or it is the first since reset().
   bool track(const FrameConstPtr& frame);
