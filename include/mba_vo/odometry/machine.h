@@ -14,7 +14,7 @@ struct Machine {
   double image = 0.3;              // a frame is made of an image
   double track = 6.8;              // a sharp frame is aligned
   double track_per_px = 0.1;       // and for each pixel of its blur
-  double orientation = 21.0;       // the rotation of a frame is measured while there is no map
+  double orientation = 10.0;       // the rotation of a frame is measured while there is no map
   double look_for_map = 23.0;      // the initialiser takes in a frame
   double first_map = 75.0;         // and makes a map
   double depth_search = 3.9;       // depths are searched in a frame
