@@ -10,8 +10,8 @@ constexpr int kLeastWindows = 4;
 // explains is the same in many residuals. The scatter of the windows' estimates is some ten times what the residuals
 // alone would have.
 constexpr double kCorrelation = 50.0;
-// Of six degrees of freedom, 95 %. Right calibrations stay below 5 (docs/how_it_works.md); where 50 was waited for, the
-// scale had drifted by a fifth before a first step was taken.
+// Of six degrees of freedom, 95 %. Right calibrations stayed below 5 (docs/how_it_works.md); where 50 was waited for,
+// the scale of kitchen had drifted by a fifth before a first step was taken.
 constexpr double kSignificant = 12.6;  // chi^2 of a step worth taking
 constexpr double kStep = 1.5;
 
