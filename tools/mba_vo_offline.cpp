@@ -13,11 +13,13 @@
 #include <CLI/CLI.hpp>
 
 #include "mba_vo/io/calibrated_run.h"
+#include "mba_vo/io/camera_memory.h"
 #include "mba_vo/io/faulty_sequence.h"
 #include "mba_vo/io/progress_bar.h"
 #include "mba_vo/io/run_writer.h"
 #include "mba_vo/io/trajectory_writer.h"
 #include "mba_vo/odometry/config_yaml.h"
+#include "report.h"
 #ifdef MBA_VO_WITH_ROS
 #include "mba_vo/ros/bag_reader.h"
 #endif
@@ -185,33 +187,6 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const Arguments& a) 
           {"live", a.live ? "yes" : "no"}};
 }
 
-void printCounts(const mba_vo::OfflineResult& result) {
-  const mba_vo::FrameCounts counts = mba_vo::countFrames(result.log.frames());
-  std::cout << counts.tracked << " of " << counts.frames << " frames tracked, " << counts.dropped_after_initialization
-            << " dropped after initialisation, " << counts.rejected << " rejected at the input, "
-            << result.log.keyframes().size() << " keyframes, " << counts.maps << " map(s), "
-            << (counts.metric_maps == 0 ? "scale arbitrary" : std::to_string(counts.metric_maps) + " in metres") << ", "
-            << result.times.total << " s\n";
-  if (counts.tracked == 0) {
-    throw std::runtime_error("no frame could be tracked; frames.csv tells why");
-  }
-}
-
-void printLearnt(const mba_vo::OfflineResult& result) {
-  using mba_vo::CalibrationCorrection;
-  const CalibrationCorrection& c = result.correction;
-  if (!c.isZero()) {
-    std::cout << "the calibration is wrong: focal length " << 1e2 * c[CalibrationCorrection::kFocal] << " %, centre "
-              << 1e2 * c[CalibrationCorrection::kCentreX] << ", " << 1e2 * c[CalibrationCorrection::kCentreY]
-              << " % of the focal length, k1 " << c[CalibrationCorrection::kK1] << ", k2 "
-              << c[CalibrationCorrection::kK2] << ", row time " << 1e6 * c[CalibrationCorrection::kRowTime] << " us; ";
-  }
-  const mba_vo::ExposureCorrection& exposure = result.exposure_correction;
-  if (exposure.missing) std::cout << "images without an exposure had " << 1e3 * *exposure.missing << " ms; ";
-  if (exposure.factor != 1.0) std::cout << "exposures are " << exposure.factor << " times as long as they say; ";
-  std::cout << "beginning anew" << std::endl;
-}
-
 /// The recording itself, or spoilt in the ways that `faults` then tells.
 std::unique_ptr<mba_vo::SequenceReader> openRecording(const Arguments& a, std::vector<mba_vo::FaultRecord>& faults) {
   std::unique_ptr<mba_vo::SequenceReader> reader = openSequence(a);
@@ -268,6 +243,8 @@ void run(const Arguments& a) {
   options.frames = a.frames;
   options.reference_delay_frames = a.reference_delay;
   if (a.row_time) options.config.image.row_time = *a.row_time;
+  mba_vo::CameraMemory memory(options.config.image);
+  options.known = memory.recall(openSequence(a)->calibration());
   std::vector<mba_vo::FaultRecord> faults;
   const mba_vo::OfflineResult result = runOver(a, options, faults);
   mba_vo::writeRun(a.output, result, settingsOf(a));
@@ -275,6 +252,7 @@ void run(const Arguments& a) {
     const std::string file = (std::filesystem::path(a.output) / "faults.csv").string();
     mba_vo::writeFile(file, [&](std::ostream& out) { mba_vo::writeFaults(faults, out); });
   }
+  if (result.settled_correction) memory.keep(*result.settled_correction);
   printCounts(result);
 }
 

@@ -74,11 +74,13 @@ ImmaturePoint makeImmaturePoint(const ImagePyramid& host, const Eigen::Vector2i&
 }
 
 DepthSearcher::DepthSearcher(const ImagePyramid& host, const ImagePyramid& frame, const ExposureTrajectory& T_host,
-                             double gain, double offset, const DepthSearchConfig& config, const Vector6& host_velocity)
-    : DepthSearcher(host.level(0), frame.level(0), T_host, gain, offset, config, host_velocity) {}
+                             double gain, double offset, const DepthSearchConfig& config, const Vector6& host_velocity,
+                             const VignetteRatio& vignette)
+    : DepthSearcher(host.level(0), frame.level(0), T_host, gain, offset, config, host_velocity, vignette) {}
 
 DepthSearcher::DepthSearcher(const ImageLevel& host, const ImageLevel& frame, const ExposureTrajectory& T_host,
-                             double gain, double offset, const DepthSearchConfig& config, const Vector6& host_velocity)
+                             double gain, double offset, const DepthSearchConfig& config, const Vector6& host_velocity,
+                             const VignetteRatio& vignette)
     : host_(&host),
       frame_(&frame),
       config_(config),
@@ -87,8 +89,9 @@ DepthSearcher::DepthSearcher(const ImageLevel& host, const ImageLevel& frame, co
       T_frame_host_row_(T_frame_host_, host_velocity),
       gain_(gain),
       offset_(offset),
+      vignette_(vignette),
       transform_(host_->camera, frame_->camera, T_frame_host_),
-      patch_maker_(*host_, frame_->camera, ExposedPoses(T_host), gain, offset, config.min_blur_px) {}
+      patch_maker_(*host_, frame_->camera, ExposedPoses(T_host), gain, offset, vignette, config.min_blur_px) {}
 
 void DepthSearcher::search(ImmaturePoint& point) const {
   if (point.state == ImmaturePoint::State::kOutlier || point.measured.known()) return;

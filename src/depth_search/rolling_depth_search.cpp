@@ -51,7 +51,7 @@ void DepthSearcher::searchInRow(double frame_row, ImmaturePoint& point) const {
   const auto poseAt = [&](double t) { return T_host_row_frame * shortMotion(T_host_.motionUntil(delay + t)); };
   const double half = 0.5 * T_host_.exposure;
   const ExposedPoses poses(poseAt(-half), poseAt(0.0), poseAt(half), T_host_.xi().squaredNorm() > 0.0);
-  const SearchPatchMaker patches(*host_, frame_->camera, poses, gain_, offset_, config_.min_blur_px);
+  const SearchPatchMaker patches(*host_, frame_->camera, poses, gain_, offset_, vignette_, config_.min_blur_px);
   searchRange({line, patches}, range, point);
 }
 

@@ -11,10 +11,12 @@ constexpr int kMaxBlurSamples = 64;
 }  // namespace
 
 SearchPatchMaker::SearchPatchMaker(const ImageLevel& host, const PinholeCamera& frame_camera,
-                                   const ExposedPoses& T_host_frame, double gain, double offset, double min_blur_px)
+                                   const ExposedPoses& T_host_frame, double gain, double offset,
+                                   const VignetteRatio& vignette, double min_blur_px)
     : host_(&host),
-      gain_(static_cast<float>(gain)),
+      gain_(gain),
       offset_(static_cast<float>(offset)),
+      vignette_(vignette),
       min_blur_px_(min_blur_px),
       moving_(T_host_frame.moving) {
   const std::array<const RigidMotion*, 3> poses{&T_host_frame.start, &T_host_frame.mid, &T_host_frame.end};
@@ -65,16 +67,18 @@ SearchPatch SearchPatchMaker::make(const Eigen::Vector2i& host_pixel, const Epip
                                    float spacing_px) const {
   const double inverse_depth = std::max(line.inverseDepthAt(s), 0.0);
   if (!std::isfinite(inverse_depth)) return {};
+  const Eigen::Vector2d seen = line.pixelAt(line.distanceOf(inverse_depth));
+  const auto gain = static_cast<float>(gain_ * vignette_.at(host_pixel.cast<double>(), seen));
   if (moving_) {
     PatchPath path;  // without derivatives, which nothing here needs
-    if (!makePath(line.pixelAt(line.distanceOf(inverse_depth)), inverse_depth, path)) return {};
-    if (path.length() > min_blur_px_) return makeBlurred(path, spacing_px);
+    if (!makePath(seen, inverse_depth, path)) return {};
+    if (path.length() > min_blur_px_) return makeBlurred(path, spacing_px, gain);
   }
-  return makeSharp(host_pixel, line, inverse_depth);
+  return makeSharp(host_pixel, line, inverse_depth, gain);
 }
 
 SearchPatch SearchPatchMaker::makeSharp(const Eigen::Vector2i& host_pixel, const EpipolarLine& line,
-                                        double inverse_depth) const {
+                                        double inverse_depth, float gain) const {
   SearchPatch patch;
   const cv::Mat1f& image = host_->intensity;
   const int r = pattern_.radius;
@@ -89,14 +93,14 @@ SearchPatch SearchPatchMaker::makeSharp(const Eigen::Vector2i& host_pixel, const
         warp * Eigen::Vector2f(static_cast<float>(pattern_.dx[k]), static_cast<float>(pattern_.dy[k]));
     patch.dx[k] = place.x();
     patch.dy[k] = place.y();
-    patch.value[k] = gain_ * image(host_pixel.y() + pattern_.dy[k], host_pixel.x() + pattern_.dx[k]) + offset_;
+    patch.value[k] = gain * image(host_pixel.y() + pattern_.dy[k], host_pixel.x() + pattern_.dx[k]) + offset_;
     sum += patch.value[k];
   }
   patch.valid = std::isfinite(sum);
   return patch;
 }
 
-SearchPatch SearchPatchMaker::makeBlurred(const PatchPath& path, float spacing_px) const {
+SearchPatch SearchPatchMaker::makeBlurred(const PatchPath& path, float spacing_px, float gain) const {
   SearchPatch patch;
   ReblurredPatch reblurred;
   reblurPatch(*host_, path, pattern_, sampleCount(path.length(), spacing_px, kMaxBlurSamples), reblurred);
@@ -104,7 +108,7 @@ SearchPatch SearchPatchMaker::makeBlurred(const PatchPath& path, float spacing_p
   for (std::size_t k = 0; k < SearchPatch::kSize; ++k) {
     patch.dx[k] = static_cast<float>(pattern_.dx[k]);
     patch.dy[k] = static_cast<float>(pattern_.dy[k]);
-    patch.value[k] = gain_ * reblurred.value[k] + offset_;
+    patch.value[k] = gain * reblurred.value[k] + offset_;
     sum += patch.value[k];
   }
   patch.blur_px = static_cast<double>(path.length());

@@ -1,5 +1,7 @@
 #include "mba_vo/geometry/calibration_correction.h"
 
+#include <cmath>
+
 namespace mba_vo {
 
 Eigen::Matrix<double, 2, CalibrationCorrection::kDim> lensJacobian(const PinholeCamera& camera,
@@ -8,11 +10,32 @@ Eigen::Matrix<double, 2, CalibrationCorrection::kDim> lensJacobian(const Pinhole
   const double y = (pixel.y() - camera.cy) / camera.fy;
   const double r2 = x * x + y * y;
   Eigen::Matrix<double, 2, CalibrationCorrection::kDim> J;
-  J << x, 1.0, 0.0, x * r2, x * r2 * r2, 0.0,  //
-      y, 0.0, 1.0, y * r2, y * r2 * r2, 0.0;
+  J.setZero();
+  J.leftCols<CalibrationCorrection::kRowTime>() << x, 1.0, 0.0, x * r2, x * r2 * r2,  //
+      y, 0.0, 1.0, y * r2, y * r2 * r2;
   J.row(0) *= camera.fx;
   J.row(1) *= camera.fy;
   return J;
+}
+
+CalibrationCorrection::Vignette vignetteJacobian(const PinholeCamera& camera, const Eigen::Vector2d& pixel) {
+  const double corner2 = 0.25 * (camera.width * camera.width + camera.height * camera.height);
+  const double q = (pixel - Eigen::Vector2d(camera.cx, camera.cy)).squaredNorm() / corner2;
+  return {q, q * q, q * q * q};
+}
+
+VignetteRatio::VignetteRatio(const PinholeCamera& host, const CalibrationCorrection& lacking_host,
+                             const PinholeCamera& target, const CalibrationCorrection& lacking_target)
+    : is_one_(lacking_host.vignette().isZero(0.0) && lacking_target.vignette().isZero(0.0)),
+      host_(host),
+      target_(target),
+      lacking_host_(lacking_host.vignette()),
+      lacking_target_(lacking_target.vignette()) {}
+
+double VignetteRatio::at(const Eigen::Vector2d& host_pixel, const Eigen::Vector2d& target_pixel) const {
+  if (is_one_) return 1.0;
+  return std::exp(lacking_target_.dot(vignetteJacobian(target_, target_pixel)) -
+                  lacking_host_.dot(vignetteJacobian(host_, host_pixel)));
 }
 
 }  // namespace mba_vo

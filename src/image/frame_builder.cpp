@@ -1,11 +1,28 @@
 #include "mba_vo/image/frame_builder.h"
 
+#include <cmath>
 #include <sstream>
 #include <stdexcept>
 
 #include "mba_vo/image/rectifier.h"
 
 namespace mba_vo {
+namespace {
+
+/// What rectified images are to be multiplied with; empty if the correction knows of no vignette.
+cv::Mat1f inverseVignette(const PinholeCamera& camera, const CalibrationCorrection& correction) {
+  if (!correction.correctsVignette()) return {};
+  cv::Mat1f inverse(camera.height, camera.width);
+  for (int y = 0; y < inverse.rows; ++y) {
+    for (int x = 0; x < inverse.cols; ++x) {
+      const double log_light = correction.vignette().dot(vignetteJacobian(camera, {x, y}));
+      inverse(y, x) = static_cast<float>(std::exp(-log_light));
+    }
+  }
+  return inverse;
+}
+
+}  // namespace
 
 class FrameBuilder::Impl {
  public:
@@ -28,14 +45,20 @@ class FrameBuilder::Impl {
 
   void correct(const CalibrationCorrection& correction) {
     if (correction == calibration_correction_) return;
+    if (correction.values.head<CalibrationCorrection::kRowTime>() !=
+        calibration_correction_.values.head<CalibrationCorrection::kRowTime>()) {
+      rectifier_ = Rectifier(calibration_, correction);
+    }
     calibration_correction_ = correction;
-    rectifier_ = Rectifier(calibration_, correction);
+    inverse_vignette_ = inverseVignette(camera_, correction);
     camera_.row_time = row_time_ + correction[CalibrationCorrection::kRowTime];
   }
 
   ImagePyramid makePyramid(const cv::Mat& image) const {
     requireSize("image", image);
-    return {rectifier_.rectify(correction_.apply(image)), camera(), levels_};
+    cv::Mat1f light = rectifier_.rectify(correction_.apply(image));
+    if (!inverse_vignette_.empty()) light = light.mul(inverse_vignette_);
+    return {light, camera(), levels_};
   }
 
   cv::Mat1f makeDepth(const cv::Mat1f& depth) const {
@@ -60,6 +83,7 @@ class FrameBuilder::Impl {
   PinholeCamera camera_;
   double row_time_;  // as configured [s]
   CalibrationCorrection calibration_correction_;
+  cv::Mat1f inverse_vignette_;  // of the correction; empty = none
 };
 
 FrameBuilder::FrameBuilder(const CameraCalibration& calibration, const PhotometricCalibration& photometric,

@@ -19,6 +19,8 @@ constexpr int kMinHomographyTracks = 20;
 constexpr double kHomographyTolerance = 3.0;  // [px]; parallax is no outlier
 constexpr double kMargin = 4.0;               // [px]
 constexpr int kWindow = 17;                   // [px]
+constexpr int kAreasAcross = 8;               // wide enough to leave what is tracked, small enough for a vignette
+constexpr double kLeastShare = 0.1;           // of an area that both images see
 constexpr int kLevels = 2;                    // above level 0
 
 /// Longest path of a pixel during the exposure [px].
@@ -33,39 +35,37 @@ double blurLength(const PinholeCamera& camera, const Eigen::Vector3d& exposure_r
   return length;
 }
 
-cv::Mat warp(const cv::Mat1b& image, const Eigen::Matrix3d& H) {
+cv::Mat warp(const cv::Mat1b& image, const Eigen::Matrix3d& H, int border = cv::BORDER_REPLICATE) {
   cv::Mat h, warped;
   cv::eigen2cv(H, h);
-  cv::warpPerspective(image, warped, h, image.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::warpPerspective(image, warped, h, image.size(), cv::INTER_LINEAR, border);
   return warped;
 }
 
 /// The reference as `camera` would see it: warped by H, averaged over the exposure at mid-points u = (i + 1/2)/n - 1/2.
-cv::Mat1b predictImage(const InitializerImage& reference, const Eigen::Matrix3d& H_image_reference,
+cv::Mat1f predictImage(const InitializerImage& reference, const Eigen::Matrix3d& H_image_reference,
                        const Eigen::Vector3d& exposure_rotation) {
   const double length = blurLength(reference.camera, exposure_rotation);
   const int n = std::clamp(static_cast<int>(std::lround(length / kBlurSpacing)), 1, kMaxBlurSamples);
-  if (n == 1) return warp(reference.grey, H_image_reference);
-  cv::Mat sum(reference.grey.size(), CV_32F, cv::Scalar(0));
+  cv::Mat1f sum(reference.grey.size(), 0.0F);
   for (int i = 0; i < n; ++i) {
     const double u = (i + 0.5) / n - 0.5;
     const Eigen::Matrix3d H = rotationHomography(reference.camera, u * exposure_rotation) * H_image_reference;
     cv::accumulate(warp(reference.grey, H), sum);
   }
-  cv::Mat1b mean;
-  sum.convertTo(mean, CV_8U, 1.0 / n);
-  return mean;
+  sum *= 1.0 / n;
+  return sum;
 }
 
 /// Gives `prediction` the gain and offset of `image`, measured around the predicted corners.
-void matchBrightness(const InitializerImage& image, const std::vector<cv::Point2f>& at, cv::Mat1b& prediction) {
+void matchBrightness(const InitializerImage& image, const std::vector<cv::Point2f>& at, cv::Mat1f& prediction) {
   double sp = 0.0, si = 0.0, spp = 0.0, sii = 0.0, n = 0.0;
   for (const cv::Point2f& p : at) {
     for (int dy = -6; dy <= 6; dy += 3) {
       for (int dx = -6; dx <= 6; dx += 3) {
         const cv::Point q(cvRound(p.x) + dx, cvRound(p.y) + dy);
         if (q.x < 0 || q.y < 0 || q.x >= image.grey.cols || q.y >= image.grey.rows) continue;
-        const double a = prediction(q);
+        const auto a = static_cast<double>(prediction(q));
         const double b = image.grey(q);
         sp += a;
         si += b;
@@ -81,7 +81,24 @@ void matchBrightness(const InitializerImage& image, const std::vector<cv::Point2
   if (variance_p < 1.0 || variance_i < 1.0) return;
   const double gain = std::clamp(std::sqrt(variance_i / variance_p), 0.5, 2.0);
   const double offset = (si - gain * sp) / n;
-  prediction.convertTo(prediction, CV_8U, gain, offset);
+  prediction.convertTo(prediction, CV_32F, gain, offset);
+}
+
+/// Takes out of `prediction` what it is too bright or too dark by over wide areas, as a vignette leaves it. `H`: from
+/// the reference that was predicted from.
+void matchBrightnessOverAreas(const InitializerImage& image, const cv::Mat1b& reference_mask, const Eigen::Matrix3d& H,
+                              cv::Mat1f& prediction) {
+  cv::Mat1b both;
+  cv::bitwise_and(image.mask, warp(reference_mask, H, cv::BORDER_CONSTANT), both);
+  cv::Mat1f excess, share;
+  cv::subtract(image.grey, prediction, excess, cv::noArray(), CV_32F);
+  excess.setTo(0.0F, ~both);
+  both.convertTo(share, CV_32F, 1.0 / 255.0);
+  const int side = image.grey.cols / kAreasAcross;
+  cv::blur(excess, excess, {side, side}, {-1, -1}, cv::BORDER_CONSTANT);
+  cv::blur(share, share, {side, side}, {-1, -1}, cv::BORDER_CONSTANT);
+  excess /= cv::max(share, kLeastShare);
+  prediction += excess;
 }
 
 /// Fits the homography again to what was tracked; keeps the prediction where that is too little.
@@ -134,12 +151,15 @@ FrameTracks ReferenceTracker::track(const InitializerImage& image, const FrameTr
     to.emplace_back(static_cast<float>(q.x()), static_cast<float>(q.y()));
   }
   if (index.empty()) return tracks;
-  cv::Mat1b prediction = predictImage(*reference_, tracks.H_frame_reference, exposure_rotation);
+  cv::Mat1f prediction = predictImage(*reference_, tracks.H_frame_reference, exposure_rotation);
   matchBrightness(image, from, prediction);
+  matchBrightnessOverAreas(image, reference_->mask, tracks.H_frame_reference, prediction);
   std::vector<cv::Mat> pyramid;
   const cv::Size window(kWindow, kWindow);
   const cv::TermCriteria stop(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 15, 0.01);
-  cv::buildOpticalFlowPyramid(prediction, pyramid, window, kLevels);
+  cv::Mat1b rounded;
+  prediction.convertTo(rounded, CV_8U);
+  cv::buildOpticalFlowPyramid(rounded, pyramid, window, kLevels);
   std::vector<cv::Point2f> back = from;
   std::vector<uchar> found, found_back;
   cv::calcOpticalFlowPyrLK(pyramid, image.pyramid, from, to, found, cv::noArray(), window, kLevels, stop,

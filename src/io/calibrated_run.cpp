@@ -16,7 +16,7 @@ OfflineResult runCalibrated(const CalibratedRun& run, OfflineOptions options) {
     OfflineResult result = runOffline(*reader, options, run.progress);
     result.restarts = restarts;
     if (!result.stopped_to_restart) return result;
-    options.config.mapper.start_correction = result.correction;
+    options.known = result.correction;
     options.exposure_correction = result.exposure_correction;
     if (run.onRestart) run.onRestart(result);
   }

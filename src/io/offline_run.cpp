@@ -51,12 +51,12 @@ std::unique_ptr<OdometryRun> makeRun(const OfflineOptions& options) {
 class Run {
  public:
   Run(const CameraCalibration& calibration, const OfflineOptions& options)
-      : start_(options.config.mapper.start_correction),
+      : known_(options.known),
         exposure_(options.exposure),
         exposure_correction_(options.exposure_correction),
         unknown_exposure_(options.config.tracker.unknown_exposure),
         odometry_(makeRun(options)) {
-    odometry_->setCalibration(calibration);
+    odometry_->setCalibration(calibration, options.known);
   }
 
   void process(CameraImage image, OfflineResult& result) {
@@ -69,9 +69,10 @@ class Run {
   }
 
   const Mapper& mapper() const { return odometry_->mapper(); }
+  CalibrationCorrection correction() const { return mapper().correction().value_or(known_); }
   Machine machine() const { return odometry_->machine(); }
   bool hasLearnt(const OfflineResult& result) const {
-    return mapper().correction() != start_ || !(result.exposure_correction == exposure_correction_);
+    return correction() != known_ || !(result.exposure_correction == exposure_correction_);
   }
 
  private:
@@ -119,7 +120,7 @@ class Run {
     for (const PublishedImage& image : done.images) {
       if (!image.step.message.tracked) continue;
       note(*image.step.message.tracked, result);
-      if (result.exposure.used) {
+      if (result.exposure.used && !result.exposure.varies) {
         result.exposure_correction = learnt(image.step.exposure.has_value(), result.exposure.ratio);
       }
     }
@@ -129,7 +130,7 @@ class Run {
     if (std::isfinite(tracked.exposure_estimate.log_sigma)) result.exposure = tracked.exposure_estimate;
   }
 
-  CalibrationCorrection start_;
+  CalibrationCorrection known_;
   std::optional<double> exposure_;  // of all images [s]
   ExposureCorrection exposure_correction_;
   double unknown_exposure_;  // assumed at first [s]
@@ -166,7 +167,8 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
     result.stopped_to_restart = run.hasLearnt(result) && processed <= options.stop_if_learnt_within;
     result.times.cpu = processorSeconds() - processor_begin;
   }
-  result.correction = run.mapper().correction();
+  result.correction = run.correction();
+  result.settled_correction = run.mapper().settledCorrection();
   result.trajectory = run.mapper().finishedTrajectory();
   result.points = run.mapper().points();
   result.deblurring = run.mapper().deblurCounts();

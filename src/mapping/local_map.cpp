@@ -14,7 +14,8 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kCalibrationKeyframes = 4;  // least number in a window that tells about the calibration
+constexpr int kCalibrationKeyframes = 2;  // least number in a window that tells about the calibration
+constexpr int kCalibrationSteps = 3;      // at most, with one keyframe
 
 constexpr std::uint64_t kSlopeStride = 2;  // a point's slope is updated with every so many keyframes
 
@@ -102,8 +103,11 @@ void LocalMap::searchDepths(const TrackedFrame& tracked) {
     const AffineBrightness host_brightness = window_.brightness(id);
     const double gain = std::exp(tracked.brightness.a - host_brightness.a);
     const double offset = tracked.brightness.b - gain * host_brightness.b;
-    const DepthSearcher searcher(*host.image, tracked.frame->pyramid, in_host, gain, offset, config_.depth_search,
-                                 window_.velocity(id));
+    const ImagePyramid& image = tracked.frame->pyramid;
+    const VignetteRatio vignette(host.image->level(0).camera, host.frame->correction.lacks(calibration_.correction()),
+                                 image.level(0).camera, tracked.frame->correction.lacks(calibration_.correction()));
+    const DepthSearcher searcher(*host.image, image, in_host, gain, offset, config_.depth_search, window_.velocity(id),
+                                 vignette);
     const std::size_t chunks = (host.immature.size() + kPointsPerSearch - 1) / kPointsPerSearch;
     parallelFor(chunks, [&, &immature = host.immature](std::size_t chunk) {
       const std::size_t end = std::min((chunk + 1) * kPointsPerSearch, immature.size());
@@ -232,7 +236,11 @@ void LocalMap::marginalizeKeyframes() {
 
 void LocalMap::refineCalibration() {
   if (!config_.refine_calibration || static_cast<int>(keyframes_.size()) < kCalibrationKeyframes) return;
-  if (calibration_.add(window_.calibrationSystem())) window_.setCorrection(calibration_.correction());
+  for (int i = 0; i < kCalibrationSteps && calibration_.add(window_.calibrationSystem()); ++i) {
+    window_.setCorrection(calibration_.correction());
+    window_.optimize(config_.window.max_iterations);
+    storePoses();
+  }
 }
 
 void LocalMap::storePoses() {
@@ -251,7 +259,9 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe, const st
   reference->image_xi = window_.imageMotion(keyframe);
   reference->brightness = window_.brightness(keyframe);
   reference->velocity = window_.velocity(keyframe);
+  reference->image_correction = keyframes_.at(keyframe).frame->correction;
   reference->correction = calibration_.correction();
+  reference->settled_correction = calibration_.settled();
   reference->points = pointsSeenBy(window_, window_.points(), cameraOf(keyframe), keyframe);
   for (const KeyframeId id : window_.keyframes()) reference->T_map_keyframe[id] = window_.T_map_keyframe(id);
   return reference;

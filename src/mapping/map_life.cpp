@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "mapper_impl.h"
+#include "mba_vo/mapping/initial_vignette.h"
 
 namespace mba_vo {
 namespace {
@@ -16,12 +17,17 @@ MapperOutput Mapper::Impl::initialize(const FrameConstPtr& frame) {
   // Frames that were tracked late come once more.
   if (newest_initializing_ns_ && frame->mid_exposure_ns <= *newest_initializing_ns_) return output;
   newest_initializing_ns_ = frame->mid_exposure_ns;
+  if (!calibration_) {
+    using Vignette = CalibrationEstimator::Vignette;
+    calibration_.emplace(frame->correction, config_.vignette_told ? Vignette::kTold : Vignette::kUnknown);
+  }
   std::unique_ptr<InitialMap> initial = initializer_.add(frame);
   if (!initial) return saying(initializer_.reason());
   const Vector6 velocity = referenceVelocity(*initial);
-  calibration_before_map_ = calibration_;
+  calibration_before_map_ = *calibration_;
+  if (config_.refine_calibration) calibration_->add(linearizeInitialVignette(*initial, calibration_->correction()));
   map_ =
-      std::make_unique<LocalMap>(config_, next_map_id_++, *initial, velocity, LocalMap::Place(), store_, calibration_);
+      std::make_unique<LocalMap>(config_, next_map_id_++, *initial, velocity, LocalMap::Place(), store_, *calibration_);
   output.message = "map " + std::to_string(map_->id()) + " initialised with " + std::to_string(initial->points.size()) +
                    (initial->metric ? " measured points" : " points");
   initial_frames_ = initializer_.bufferedFrames();
@@ -59,7 +65,7 @@ MapperOutput Mapper::Impl::giveUp(MapperOutput output) {
   const std::int64_t failed_ns = first_keyframe_ns_;
   forgetMap();
   calibration_ = calibration_before_map_;
-  last->correction = calibration_.correction();
+  last->correction = calibration_->correction();
   output.message = last->closed_because;
   output.reference = last;
   for (const FrameConstPtr& frame : frames) {
@@ -89,7 +95,7 @@ MapperOutput Mapper::Impl::handleLost(const TrackedFrame& frame) {
 
 MapperOutput Mapper::Impl::goOnFrom(const Relocalizer::Found& found) {
   const bool departed = !map_->has(found.keyframe);
-  if (departed) map_ = recovery_.windowAt(found, *map_, store_, calibration_);
+  if (departed) map_ = recovery_.windowAt(found, *map_, store_, *calibration_);
   const KeyframeId keyframe = departed ? map_->newestKeyframe() : found.keyframe;
   const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kFoundAgain, keyframe, health_.doubt());
   reference->hint = found.hint;
@@ -138,7 +144,7 @@ void Mapper::Impl::reset() {
 
 void Mapper::Impl::abandonMap() {
   forgetMap();
-  calibration_ = CalibrationEstimator(config_.start_correction);
+  calibration_.reset();
   initializer_.trustDepths();
 }
 

@@ -11,7 +11,6 @@ Mapper::Impl::Impl(const MapperConfig& config, DraftCallback on_draft, std::shar
       on_draft_(std::move(on_draft)),
       initializer_(config.initializer, config.depth_sensor),
       selector_(config.keyframe),
-      calibration_(config.start_correction),
       health_(config.health),
       recovery_(config),
       deferred_(config),
@@ -125,7 +124,8 @@ void Mapper::reset() { impl_->reset(); }
 void Mapper::abandonMap() { impl_->abandonMap(); }
 ReferenceConstPtr Mapper::currentReference() const { return impl_->currentReference(); }
 std::vector<TrajectoryEntry> Mapper::trajectory() const { return impl_->store().entries(); }
-CalibrationCorrection Mapper::correction() const { return impl_->correction(); }
+std::optional<CalibrationCorrection> Mapper::correction() const { return impl_->correction(); }
+std::optional<CalibrationCorrection> Mapper::settledCorrection() const { return impl_->settledCorrection(); }
 std::vector<MapPoint> Mapper::points() const { return impl_->points(); }
 DeblurCounts Mapper::deblurCounts() const { return impl_->deblurCounts(); }
 

@@ -25,7 +25,12 @@ class Mapper::Impl {
   void abandonMap();
 
   ReferenceConstPtr currentReference() const { return reference_; }
-  const CalibrationCorrection& correction() const { return calibration_.correction(); }
+  std::optional<CalibrationCorrection> correction() const {
+    return calibration_ ? std::optional(calibration_->correction()) : std::nullopt;
+  }
+  std::optional<CalibrationCorrection> settledCorrection() const {
+    return calibration_ ? calibration_->settled() : std::nullopt;
+  }
   const TrajectoryStore& store() const { return store_; }
   std::vector<MapPoint> points() const { return map_ ? map_->points() : std::vector<MapPoint>(); }
   DeblurCounts deblurCounts() const { return deblurring_.counts(); }
@@ -69,8 +74,8 @@ class Mapper::Impl {
   Initializer initializer_;
   KeyframeSelector selector_;
   TrajectoryStore store_;
-  CalibrationEstimator calibration_;
-  CalibrationEstimator calibration_before_map_;  // what a wrong map says about it is not believed
+  std::optional<CalibrationEstimator> calibration_;  // from the first frame on: it begins as that was made
+  CalibrationEstimator calibration_before_map_;      // what a wrong map says about it is not believed
   std::unique_ptr<LocalMap> map_;
   ReferenceConstPtr reference_;
   MapId next_map_id_ = 1;

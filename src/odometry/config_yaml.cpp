@@ -115,6 +115,7 @@ void YamlConfigWriter::beginSection(const std::string& key) {
 void finalize(OdometryConfig& config) {
   config.mapper.tracker = config.tracker;
   config.mapper.keyframe = config.keyframe;
+  config.mapper.vignette_told = !config.image.vignette_file.empty();
 }
 
 void applyYaml(const YAML::Node& node, OdometryConfig& config) {

@@ -52,10 +52,10 @@ void FrameTracking::reset() {
 }
 
 std::shared_ptr<TrackedFrame> FrameTracking::track(const FrameConstPtr& given) {
-  const FrameConstPtr frame = withExposure(given, exposures_.exposureFor(given->exposure));
+  const FrameConstPtr frame = withExposure(given, exposures_.exposureFor(given->exposure, given->mid_exposure_ns));
   const TrackingGuess guess = state_.guessFor(*frame, config_.unknown_exposure);
   auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
-  tracked->exposure_estimate = exposures_.estimate(given->exposure.has_value());
+  tracked->exposure_estimate = exposures_.estimate(given->exposure.has_value(), given->mid_exposure_ns);
   exposures_.add(reference_, tracked, given->exposure);
   judge_.judge(*tracked, lost_.lost(), secondsBetween(state_, *frame));
   if (!tracked->tracked()) {
@@ -69,12 +69,12 @@ std::shared_ptr<TrackedFrame> FrameTracking::track(const FrameConstPtr& given) {
 }
 
 std::shared_ptr<TrackedFrame> FrameTracking::trackAhead(const FrameConstPtr& given, TrackingState& newest) {
-  const FrameConstPtr frame = withExposure(given, exposures_.exposureFor(given->exposure));
+  const FrameConstPtr frame = withExposure(given, exposures_.exposureFor(given->exposure, given->mid_exposure_ns));
   const TrackingGuess guess = newest.guessFor(*frame, config_.unknown_exposure);
   auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
   judge_.judge(*tracked, false, secondsBetween(newest, *frame));
   if (!tracked->tracked()) return nullptr;
-  tracked->exposure_estimate = exposures_.estimate(given->exposure.has_value());
+  tracked->exposure_estimate = exposures_.estimate(given->exposure.has_value(), given->mid_exposure_ns);
   tracked->provisional = true;
   newest.update(*tracked);
   T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;

@@ -13,16 +13,12 @@ void append(std::string& text, const std::string& more) {
 
 }  // namespace
 
-ImageIntake::ImageIntake(const FrameBuilderConfig& config, PhotometricCalibration photometric,
-                         const CalibrationCorrection& start, bool in_background)
-    : config_(config),
-      photometric_(std::move(photometric)),
-      start_(start),
-      in_background_(in_background),
-      correction_(start) {}
+ImageIntake::ImageIntake(const FrameBuilderConfig& config, PhotometricCalibration photometric, bool in_background)
+    : config_(config), photometric_(std::move(photometric)), in_background_(in_background) {}
 
-void ImageIntake::setCalibration(const CameraCalibration& calibration) {
+void ImageIntake::setCalibration(const CameraCalibration& calibration, const CalibrationCorrection& known) {
   calibration_ = calibration;
+  correction_ = start_ = known;
   next_builder_ = {};
   builder_ = makeBuilder(correction_);
 }

@@ -57,6 +57,7 @@ void OrientationTracking::changeReference(const FrameConstPtr& frame, const Affi
   reference->velocity = motion_.last().velocity;
   reference->image_xi = motion_.last().velocity * frame->exposure.value_or(0.0);
   reference->brightness = brightness;
+  reference->image_correction = reference->correction = frame->correction;
   for (const Eigen::Vector2i& pixel : selectPoints(*reference->pyramid, kPoints, {})) {
     reference->points.push_back({pixel.cast<float>(), kFar, 0.0F});
   }

@@ -13,8 +13,7 @@ constexpr std::size_t kBacklog = 8;  // so many images wait: the tracker is behi
 
 TrackerPipeline::TrackerPipeline(const TrackerPipelineConfig& config, std::uint64_t first_session)
     : queue_(config.max_queue_bytes, bytesOf, mostDispensable),
-      intake_(config.odometry.image, config.photometric, config.odometry.mapper.start_correction,
-              config.correct_in_background),
+      intake_(config.odometry.image, config.photometric, config.correct_in_background),
       loop_(config.odometry),
       session_(first_session) {}
 
@@ -33,7 +32,9 @@ void TrackerPipeline::addReference(const MapperMessage& reference) {
   references_.push_back(reference);
 }
 
-void TrackerPipeline::setCalibration(const CameraCalibration& calibration) { queue_.push(calibration); }
+void TrackerPipeline::setCalibration(const CameraCalibration& calibration, const CalibrationCorrection& known) {
+  queue_.push(KnownCamera{calibration, known});
+}
 
 void TrackerPipeline::requestReset() { queue_.push(ResetRequest()); }
 
@@ -105,7 +106,7 @@ TrackerStep TrackerPipeline::takeJob() {
   const std::optional<Job> job = queue_.pop();
   if (const auto* image = std::get_if<QueuedImage>(&*job)) return takeImage(*image);
   if (const auto* frame = std::get_if<FrameConstPtr>(&*job)) return takeFrame(*frame);
-  if (const auto* calibration = std::get_if<CameraCalibration>(&*job)) return takeCalibration(*calibration);
+  if (const auto* camera = std::get_if<KnownCamera>(&*job)) return takeCalibration(*camera);
   return reset("reset");
 }
 
@@ -158,9 +159,9 @@ void TrackerPipeline::track(const FrameConstPtr& frame, TrackerStep& step) {
   }
 }
 
-TrackerStep TrackerPipeline::takeCalibration(const CameraCalibration& calibration) {
+TrackerStep TrackerPipeline::takeCalibration(const KnownCamera& camera) {
   const bool another = intake_.isCalibrated();
-  intake_.setCalibration(calibration);
+  intake_.setCalibration(camera.calibration, camera.correction);
   return another ? reset("the calibration has changed") : TrackerStep();
 }
 

@@ -58,6 +58,8 @@ AlignmentProblem::AlignmentProblem(const Reference& reference, const std::vector
       frame_level_(frame.pyramid.level(level)),
       pattern_(pattern),
       rolling_(frame_level_.camera.row_time != 0.0 || reference_level_.camera.row_time != 0.0),
+      vignette_(reference.pyramid->level(0).camera, reference.image_correction.lacks(reference.correction),
+                frame_level_.camera, frame.correction.lacks(reference.correction)),
       options_(options),
       prior_(prior),
       loss_(options.huber_threshold) {
@@ -95,8 +97,12 @@ void AlignmentProblem::selectPatches(const AlignmentState& state) {
     const Eigen::Vector2d centre(std::round(projection->x()), std::round(projection->y()));
     if (!frame_level_.camera.contains(centre, pattern_.radius)) continue;
     const double reference_row = static_cast<double>(point.pixel.y() + 0.5F) / row_scale - 0.5;
-    Patch patch{
-        centre, reference_row, static_cast<double>(point.inverse_depth), static_cast<double>(point.variance), {}};
+    Patch patch{centre,
+                reference_row,
+                static_cast<double>(point.inverse_depth),
+                static_cast<double>(point.variance),
+                vignette_.at(point.pixel.cast<double>(), centre),
+                {}};
     commuted.read(frame_level_, centre, patch.inverse_depth, pattern_, static_cast<float>(options_.sample_spacing_px),
                   options_.max_samples, patch.intensity);
     patches_.push_back(patch);
@@ -152,15 +158,16 @@ bool AlignmentProblem::predict(const Patch& patch, const PatchPathMaker& maker, 
 
 void AlignmentProblem::followResiduals(const AlignmentState& state) {
   const PatchPathMaker maker = pathMaker(state);
-  const auto gain = static_cast<float>(std::exp(state.a));
+  const double gain = std::exp(state.a);
   const auto offset = static_cast<float>(state.b);
   std::vector<float> sizes;
   PatchPath path;
   ReblurredPatch predicted;
   for (std::size_t i = 0; i < patches_.size(); i += kSpreadStride) {
     if (!predict(patches_[i], maker, path, predicted)) continue;
+    const auto patch_gain = static_cast<float>(gain * patches_[i].gain);
     for (std::size_t k = 0; k < static_cast<std::size_t>(pattern_.size); ++k) {
-      const float size = std::abs(patches_[i].intensity[k] - (gain * predicted.value[k] + offset));
+      const float size = std::abs(patches_[i].intensity[k] - (patch_gain * predicted.value[k] + offset));
       if (!std::isnan(size)) sizes.push_back(size);
     }
   }
@@ -182,7 +189,7 @@ void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker,
   }
   const auto sigma = static_cast<float>(std::sqrt(patch.inverse_depth_variance));
   PatchWeighting weighting;
-  weighting.gain = static_cast<float>(std::exp(state.a));
+  weighting.gain = static_cast<float>(patch.gain * std::exp(state.a));
   weighting.offset = static_cast<float>(state.b);
   weighting.huber_threshold = static_cast<float>(loss_.threshold());
   weighting.inlier_threshold = static_cast<float>(options_.huber_threshold);

@@ -18,11 +18,13 @@ constexpr std::size_t kRememberedSamples = 60;
 constexpr std::size_t kLeastSamples = 8;
 constexpr int kRareProbes = 3;            // every so many frames, once there are enough samples
 constexpr int kSeldomProbes = 10;         // the same, once they agree: a probe costs as much as tracking a frame
+constexpr int kVaryingProbes = 2;         // the same, of exposures that change
+constexpr double kGuessSigma = 0.8;       // of log ratio, of the assumed exposure
 constexpr double kAgreement = 0.2;        // of log ratio, between the last sample and a well-known ratio
 constexpr double kWellKnownSigma = 0.05;  // of log ratio
 constexpr double kLongest = 1.5;          // exposure that is tried, in intervals; their noise is not to be cut off
 constexpr double kBlurSigma = 0.3;        // [px] what path and patches have wrong
-constexpr double kKnownSigma = 0.15;      // of log ratio: below it the estimate is of use
+constexpr int kLeastUnknownSamples = 1;   // from which on they are better than the assumed exposure
 constexpr double kWrong = 0.2;            // |log ratio| from which on exposures that came are not believed
 constexpr double kRightAgain = 0.1;       // the same, until which they are not
 constexpr double kSignificance = 4.0;     // standard deviations
@@ -48,8 +50,18 @@ Vector6 derivativeAtZero(const std::vector<double>& times, const std::vector<Vec
 
 }  // namespace
 
-std::optional<double> ExposureEstimator::exposureFor(const std::optional<double>& given) const {
-  const ExposureEstimate& e = ratios_[given.has_value()].estimate;
+ExposureEstimator::ExposureEstimator(const TrackerConfig& config) : config_(config), unknown_(0.0, kGuessSigma) {}
+
+ExposureEstimate ExposureEstimator::estimate(bool given, std::int64_t mid_exposure_ns) const {
+  if (given) return ratio_.estimate;
+  if (unknown_.samples() < kLeastUnknownSamples) return {};
+  const ExposureFilter::Estimate now = unknown_.at(1e-9 * static_cast<double>(mid_exposure_ns));
+  return {std::exp(now.log_exposure), now.sigma, unknown_.samples() >= kLeastUnknownSamples, unknown_.varies()};
+}
+
+std::optional<double> ExposureEstimator::exposureFor(const std::optional<double>& given,
+                                                     std::int64_t mid_exposure_ns) const {
+  const ExposureEstimate e = estimate(given.has_value(), mid_exposure_ns);
   if (!e.used || (given && *given <= 0.0)) return given;
   return e.ratio * given.value_or(config_.unknown_exposure);
 }
@@ -60,7 +72,8 @@ void ExposureEstimator::changeReference(const SE3& T_new_old) {
 
 void ExposureEstimator::reset() {
   seen_.clear();
-  ratios_ = {};
+  ratio_ = {};
+  unknown_ = ExposureFilter(0.0, kGuessSigma);
   newest_probed_ns_ = 0;
   left_out_ = 0;
 }
@@ -77,20 +90,25 @@ void ExposureEstimator::add(const ReferenceConstPtr& reference, const std::share
   if (seen_.size() < kNeighbours) return;
   const Seen& middle = seen_[kNeighbours / 2];
   if (middle.tracked->frame->mid_exposure_ns <= newest_probed_ns_) return;
-  Ratio& ratio = ratios_[middle.known];
-  if (++left_out_ < framesBetweenProbes(ratio)) return;
+  if (++left_out_ < framesBetweenProbes(middle.known)) return;
   const std::optional<ExposureSample> sample = probeMiddle(*reference);
   if (!sample) return;
   newest_probed_ns_ = middle.tracked->frame->mid_exposure_ns;
-  ratio.samples.push_back({std::log(sample->exposure / middle.given), 1.0 / (sample->log_sigma * sample->log_sigma)});
-  if (ratio.samples.size() > kRememberedSamples) ratio.samples.pop_front();
-  update(ratio, middle.known);
+  const double log_ratio = std::log(sample->exposure / middle.given);
+  if (!middle.known) {
+    unknown_.add(middle.tracked->frame->midExposureSeconds(), log_ratio, sample->log_sigma);
+    return;
+  }
+  ratio_.samples.push_back({log_ratio, 1.0 / (sample->log_sigma * sample->log_sigma)});
+  if (ratio_.samples.size() > kRememberedSamples) ratio_.samples.pop_front();
+  update(ratio_);
 }
 
-int ExposureEstimator::framesBetweenProbes(const Ratio& ratio) {
-  if (ratio.samples.size() < kLeastSamples) return 1;
-  const double difference = ratio.samples.back().log_ratio - std::log(ratio.estimate.ratio);
-  const bool settled = ratio.estimate.log_sigma < kWellKnownSigma && std::abs(difference) < kAgreement;
+int ExposureEstimator::framesBetweenProbes(bool known) const {
+  if (!known) return unknown_.samples() < static_cast<int>(kLeastSamples) ? 1 : kVaryingProbes;
+  if (ratio_.samples.size() < kLeastSamples) return 1;
+  const double difference = ratio_.samples.back().log_ratio - std::log(ratio_.estimate.ratio);
+  const bool settled = ratio_.estimate.log_sigma < kWellKnownSigma && std::abs(difference) < kAgreement;
   return settled ? kSeldomProbes : kRareProbes;
 }
 
@@ -115,7 +133,7 @@ std::optional<ExposureSample> ExposureEstimator::probeMiddle(const Reference& re
   TrackedFrame tracked = *middle.tracked;
   tracked.trajectory.T_reference_mid = middle.T_reference_mid;
   left_out_ = 0;
-  const double exposure = ratios_[middle.known].estimate.ratio * middle.given;
+  const double exposure = estimate(middle.known, middle.tracked->frame->mid_exposure_ns).ratio * middle.given;
   std::optional<ExposureSample> sample =
       probeExposure(reference, tracked, velocity, exposure, kLongest * interval, config_);
   if (!sample) return std::nullopt;
@@ -125,7 +143,7 @@ std::optional<ExposureSample> ExposureEstimator::probeMiddle(const Reference& re
   return sample;
 }
 
-void ExposureEstimator::update(Ratio& ratio, bool known) {
+void ExposureEstimator::update(Ratio& ratio) {
   std::vector<Sample> samples(ratio.samples.begin(), ratio.samples.end());
   const double middle = weightedMedian(samples);
   double sum = 0.0;
@@ -139,12 +157,8 @@ void ExposureEstimator::update(Ratio& ratio, bool known) {
   estimate.ratio = std::exp(middle);
   estimate.log_sigma = kMedianSigma * weightedMedian(samples) * std::sqrt(squares) / sum;
   if (samples.size() < kLeastSamples) return;
-  if (!known) {
-    estimate.used = estimate.log_sigma < kKnownSigma;
-  } else {
-    const double least = estimate.used ? kRightAgain : kWrong;
-    estimate.used = std::abs(middle) > std::max(least, kSignificance * estimate.log_sigma);
-  }
+  const double least = estimate.used ? kRightAgain : kWrong;
+  estimate.used = std::abs(middle) > std::max(least, kSignificance * estimate.log_sigma);
 }
 
 double ExposureEstimator::weightedMedian(std::vector<Sample> samples) {

@@ -6,14 +6,15 @@ namespace mba_vo {
 namespace {
 
 constexpr int kDim = CalibrationCorrection::kDim;
-constexpr int kBlock = kKeyframeDim;     // the correction's states, filled up to a keyframe's
-constexpr double kDamping = 1e-6;        // relative; settles position, direction and scale
-constexpr double kFirstKeyframe = 1e6;   // relative information of the first keyframe, which holds the map
-constexpr double kLeastDiagonal = 1e-9;  // keeps states without any information solvable
+constexpr int kBlock = 2 * kKeyframeDim;  // the correction's states, filled up to keyframes'
+constexpr double kDamping = 1e-6;         // relative; settles position, direction and scale
+constexpr double kFirstKeyframe = 1e6;    // relative information of the first keyframe, which holds the map
+constexpr double kLeastDiagonal = 1e-9;   // keeps states without any information solvable
 
 using Matrix2C = Eigen::Matrix<double, 2, kDim>;
-constexpr int kPath = 6 + 1 + kDim;  // what moves the path: pose, inverse depth, correction
-using PathMatrix = Eigen::Matrix<double, 4, kPath>;
+constexpr int kPath = 6 + 1 + kDim;  // what moves and brightens the path: pose, inverse depth, correction
+constexpr int kMoments = 5;          // of the gradient, and the derivative by the brightness a
+using MomentMatrix = Eigen::Matrix<double, kMoments, kPath>;
 
 /// Weighted sums over the pixels of the products of z = [gx gy ugx ugy J_a J_b r].
 Eigen::Matrix<double, 7, 7> productSums(const PatchComparison& c, bool blurred) {
@@ -43,20 +44,23 @@ struct DepthTerms {
   double b;
 };
 
-PathMatrix pathJacobian(const PairGeometry& pair, const PatchPath& path, const Eigen::Vector2d& pixel,
-                        double host_row) {
+MomentMatrix pathJacobian(const PairGeometry& pair, const PatchPath& path, const Eigen::Vector2d& pixel,
+                          double host_row) {
   const std::array<Matrix2C, 2> correction = calibrationJacobian(pair, path, pixel, host_row);
-  PathMatrix E;
+  MomentMatrix E = MomentMatrix::Zero();
   for (std::size_t i = 0; i < 2; ++i) {
     E.middleRows<2>(2 * static_cast<int>(i)) << path.J_pose[i], path.J_inverse_depth[i], correction[i];
   }
+  E.bottomRightCorner<1, CalibrationCorrection::kVignetteDim>() =
+      (vignetteJacobian(pair.target_camera, pixel) - vignetteJacobian(pair.host_camera, path.c0.cast<double>()))
+          .transpose();
   return E;
 }
 
-DepthTerms addResidual(const Eigen::Matrix<double, 7, 7>& S, const PathMatrix& E, PairSystem& sums) {
-  const Eigen::Matrix<double, 4, kPath> SE = S.topLeftCorner<4, 4>() * E;
+DepthTerms addResidual(const Eigen::Matrix<double, 7, 7>& S, const MomentMatrix& E, PairSystem& sums) {
+  const Eigen::Matrix<double, kMoments, kPath> SE = S.topLeftCorner<kMoments, kMoments>() * E;
   const Eigen::Matrix<double, kPath, kPath> H = E.transpose() * SE;
-  const Eigen::Matrix<double, 3, kPath> R = S.bottomLeftCorner<3, 4>() * E;  // J_a, J_b and r with the path
+  const Eigen::Matrix<double, 3, kPath> R = S.bottomLeftCorner<3, kMoments>() * E;  // J_a, J_b and r with the path
   sums.H_target.topLeftCorner<6, 6>() += H.topLeftCorner<6, 6>();
   sums.H_target.bottomLeftCorner<2, 6>() += R.topLeftCorner<2, 6>();
   sums.H_target.topRightCorner<6, 2>() += R.topLeftCorner<2, 6>().transpose();
@@ -169,7 +173,7 @@ std::array<Matrix2C, 2> calibrationJacobian(const PairGeometry& pair, const Patc
                          rowsFromMiddle(host, host_row) * (pair.T_target_host.adjoint() * pair.rows.reference);
   std::array<Matrix2C, 2> J{lensJacobian(host, path.c0.cast<double>()) - path.A0.cast<double>() * at_target,
                             -path.A1.cast<double>() * at_target};
-  for (std::size_t i = 0; i < 2; ++i) J[i].rightCols<1>() = path.J_pose[i] * by_row;
+  for (std::size_t i = 0; i < 2; ++i) J[i].col(CalibrationCorrection::kRowTime) = path.J_pose[i] * by_row;
   return J;
 }
 

@@ -36,11 +36,11 @@ PathJacobian pathJacobian(const PatchPath& path, const Vector6& xi, double row) 
   return E;
 }
 
-Products productSums(const PatchComparison& c, const ReblurredPatch& reblurred, float gain) {
+Products productSums(const PatchComparison& c, const ReblurredPatch& reblurred) {
   Eigen::Matrix<double, kTerms, kResidualPixels> z;
   for (int k = 0; k < kResidualPixels; ++k) {
     const auto i = static_cast<std::size_t>(k);
-    z.col(k) << c.gx[i], c.gy[i], c.ugx[i], c.ugy[i], -gain * reblurred.uugx[i], -gain * reblurred.uugy[i],
+    z.col(k) << c.gx[i], c.gy[i], c.ugx[i], c.ugy[i], -c.gain * reblurred.uugx[i], -c.gain * reblurred.uugy[i],
         -c.normalized[i], -1.0F, c.r[i];
     z.col(k) *= std::sqrt(c.weight[i]);
   }
@@ -161,7 +161,7 @@ void MotionAlignment::addPatch(const Patch& patch, const PairGeometry& pair, con
   const double energy = static_cast<double>(seen ? comparison.energy : patch.residual.energy);  // leaving never pays
   equations.cost += 0.5 * std::min(energy, limit);
   if (!seen || energy > limit) return;
-  const Products S = productSums(comparison, reblurred, pair.gain);
+  const Products S = productSums(comparison, reblurred);
   const double exposure = target.exposure();
   const double delay = pair.target_camera.rowDelay(static_cast<double>(patch.residual.centre.y()));
   const PathJacobian E = pathJacobian(path, target.xi, exposure > 0.0 ? delay / exposure : 0.0);

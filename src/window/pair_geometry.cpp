@@ -89,6 +89,7 @@ PairGeometry makePairGeometry(const KeyframeState& host, const KeyframeState& ta
   pair.target_camera = cameraOf(*pair.target_image, target);
   pair.lacking_host = host.lacking;
   pair.lacking_target = target.lacking;
+  pair.vignette = {pair.host_camera, host.lacking, pair.target_camera, target.lacking};
   const auto makePaths = [&](const SE3& T_host_target) {
     return FixedMotionPathMaker(pair.host_camera, pair.target_camera,
                                 {T_host_target, target.xi, pair.blurred ? 1.0 : 0.0}, pair.rows);

@@ -43,7 +43,7 @@ constexpr int kSize = 8;  // of z = [gx gy ugx ugy, J_a, J_b, r], padded
 MBA_VO_MULTIVERSION
 void comparePixels(const PairGeometry& pair, const PatchResidual& residual, const ReblurredPatch& reblurred,
                    PatchComparison& __restrict comparison) {
-  const float gain = pair.gain;
+  const float gain = comparison.gain;
   const float offset_host = pair.offset_host;
   const float offset_target = pair.offset_target;
   for (std::size_t k = 0; k < kPixels; ++k) {
@@ -165,6 +165,8 @@ bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchRe
                   const ResidualOptions& options, PatchComparison& comparison, ReblurredPatch& reblurred) {
   const int samples = pair.blurred ? sampleCount(path.length(), options.sample_spacing_px, options.max_samples) : 1;
   reblurPatch(*pair.host_image, path, pattern(), samples, reblurred);
+  comparison.gain =
+      pair.gain * static_cast<float>(pair.vignette.at(path.c0.cast<double>(), residual.centre.cast<double>()));
   comparePixels(pair, residual, reblurred, comparison);
   comparison.misfit = weighPixels(comparison.r, residual.weight, options.huber_threshold, comparison.weight);
   weighComparison(pair, residual, options, comparison);

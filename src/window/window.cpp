@@ -99,7 +99,7 @@ KeyframeState Window::Impl::stateOf(const WindowKeyframe& keyframe) const {
   added.blur_length_px = keyframe.blur_length_px;
   added.xi = added.expected_xi = keyframe.xi;
   added.correction = keyframe.correction;
-  added.lacking.values = correction_.values - keyframe.correction.values;
+  added.lacking = keyframe.correction.lacks(correction_);
   added.T_linear = keyframe.T_map_keyframe;
   added.brightness_linear = keyframe.brightness;
   // Until its own residuals are known: as strict as the previous keyframe, at first twice the square of the Huber
@@ -248,7 +248,7 @@ WindowSummary Window::optimize(int max_iterations) {
 
 void Window::setCorrection(const CalibrationCorrection& correction) {
   impl_->correction_ = correction;
-  for (KeyframeState& k : impl_->state_.keyframes) k.lacking.values = correction.values - k.correction.values;
+  for (KeyframeState& k : impl_->state_.keyframes) k.lacking = k.correction.lacks(correction);
   impl_->pairs_.clear();
 }
 

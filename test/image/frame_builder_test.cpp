@@ -1,5 +1,6 @@
 #include "mba_vo/image/frame_builder.h"
 
+#include <cmath>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -69,6 +70,23 @@ TEST(FrameBuilder, FramesDoNotShareTheInputsMemory) {
   const float before = frame->pyramid.level(0).intensity(5, 5);
   image.setTo(0);
   EXPECT_EQ(frame->pyramid.level(0).intensity(5, 5), before);
+}
+
+TEST(FrameBuilder, TheVignetteOfTheCorrectionIsUndone) {
+  FrameBuilder builder(undistorted(), {}, {});
+  CalibrationCorrection correction;
+  correction.values.tail<3>() << -0.3, -0.05, -0.02;
+  cv::Mat1w image(96, 128);
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      const double log_light = correction.vignette().dot(vignetteJacobian(builder.camera(), {x, y}));
+      image(y, x) = cv::saturate_cast<std::uint16_t>(257.0 * 120.0 * std::exp(log_light));
+    }
+  }
+  builder.correct(correction);
+  const FrameConstPtr frame = builder.build(image, 0, 0, 0, 0.0);
+  EXPECT_EQ(frame->correction, correction);
+  for (int i = 0; i < 96; ++i) EXPECT_NEAR(frame->pyramid.level(0).intensity(i, i), 120.0F, 0.01F) << i;
 }
 
 TEST(FrameBuilder, DepthIsRectifiedWithTheImage) {

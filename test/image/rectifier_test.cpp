@@ -82,7 +82,7 @@ TEST_P(RectifierModels, KeepsSizeAndMostOfTheImageValid) {
 
 TEST_P(RectifierModels, ACorrectionComesBeforeTheDistortion) {
   CalibrationCorrection correction;
-  correction.values << 0.01, -0.006, 0.004, -0.02, 0.015, 0.0;
+  correction.values.head<CalibrationCorrection::kGeometryDim>() << 0.01, -0.006, 0.004, -0.02, 0.015, 0.0;
   const Rectifier corrected(calibration_, correction);
   EXPECT_EQ(corrected.camera().fx, rectifier_.camera().fx);
   const cv::Mat1f xs = corrected.rectify(coordinateImage(calibration_, true));

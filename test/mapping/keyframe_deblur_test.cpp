@@ -146,7 +146,8 @@ TEST(KeyframeDeblur, TheMapGoesOnWhileTheCpuIsTooSlow) {
   EXPECT_EQ(counts.offered, keyframes);
   EXPECT_EQ(counts.sharpened, 0U);
   EXPECT_LE(counts.waiting, 3U) << "two, and that which is being worked on";
-  EXPECT_GT(counts.too_slow, 0U);
+  EXPECT_GT(counts.too_slow + counts.passed_over, 0U)
+      << "which of both is a matter of the order of their blur (deblur_queue_test)";
   EXPECT_EQ(counts.waiting + counts.too_slow + counts.passed_over, counts.offered);
   slow->letGo();  // the mapper's end waits for it
 }

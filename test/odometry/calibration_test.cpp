@@ -24,15 +24,15 @@ Correction runOnce(const test::RenderedSequence& sequence, const CameraCalibrati
                    const Correction& start) {
   OdometryConfig options;
   options.mapper.deterministic = true;
-  options.mapper.start_correction = start;
   finalize(options);
   Odometry odometry(options, 0);
   FrameBuilder builder(calibration, {}, {});
+  builder.correct(start);
   for (const SimulatedFrame& f : sequence.frames) {
-    builder.correct(odometry.mapper().correction());
     odometry.process(builder.build(f.blurred, f.id, f.mid_exposure_ns, f.mid_exposure_ns, kExposure));
+    builder.correct(*odometry.mapper().correction());
   }
-  return odometry.mapper().correction();
+  return *odometry.mapper().correction();
 }
 
 Correction run(const test::RenderedSequence& sequence, const CameraCalibration& calibration, int passes) {
@@ -65,7 +65,7 @@ TEST(Calibration, AWrongLensIsFound) {
   wrong.fy *= 1.015;
   wrong.cx += 4.0;
   Correction truth;
-  truth.values << 1.0 / 1.015 - 1.0, -4.0 / wrong.fx, 0.0, 0.0, 0.0, 0.0;
+  truth.values.head<2>() << 1.0 / 1.015 - 1.0, -4.0 / wrong.fx;
   const double before = largestError({}, truth, wrong);
   const Correction found = run(sequence, wrong, 2);
   EXPECT_LT(largestError(found, truth, wrong), 0.3 * before) << found.values.transpose();
@@ -77,6 +77,18 @@ TEST(Calibration, ARollingShutterIsFound) {
   const test::RenderedSequence sequence = test::renderFrames(rolling, 0, kFrames);
   const Correction found = run(sequence, sequence.calibration, 3);
   EXPECT_NEAR(found[Correction::kRowTime], kRowTime, 0.1 * kRowTime) << found.values.transpose();
+}
+
+TEST(Calibration, AVignetteIsFoundInOnePass) {
+  SimulationConfig dark_corners = config();
+  dark_corners.vignette = 0.35;
+  const test::RenderedSequence sequence = test::renderFrames(dark_corners, 0, kFrames);
+  const Correction found = runOnce(sequence, sequence.calibration, {});
+  for (const double q : {0.25, 0.5, 0.75}) {  // squared radius, that of the corners being 1
+    const double log_light = found.vignette().dot(Correction::Vignette(q, q * q, q * q * q));
+    EXPECT_NEAR(log_light, std::log(1.0 - 0.35 * q), 0.02) << found.values.transpose();
+  }
+  EXPECT_LT(largestError(found, {}, sequence.calibration), 0.5) << found.values.transpose();
 }
 
 }  // namespace

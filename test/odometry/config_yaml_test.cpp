@@ -50,6 +50,14 @@ struct Changer {
   int count = 0;
 };
 
+TEST(ConfigYaml, AVignetteThatIsToldIsNotToBeFound) {
+  OdometryConfig config;
+  finalize(config);
+  EXPECT_FALSE(config.mapper.vignette_told);
+  applyYaml(YAML::Load("image: {vignette_file: vignette.png}"), config);
+  EXPECT_TRUE(config.mapper.vignette_told);
+}
+
 TEST(ConfigYaml, OptionsOfTheFileReplaceDefaultsAndOthersStay) {
   OdometryConfig config;
   const OdometryConfig defaults;

@@ -37,7 +37,7 @@ LiveRun runOn(const Machine& machine) {
   config.mapper.deterministic = true;
   finalize(config);
   LiveSimulation live(config, machine);
-  live.setCalibration(sequence().calibration);
+  live.setCalibration(sequence().calibration, {});
   LiveRun run;
   const auto take = [&](const OdometryResult& result) {
     for (const PublishedImage& image : result.images) {

@@ -37,6 +37,18 @@ inline cv::Mat1f scaled(const cv::Mat1f& image, double gain, double offset = 0.0
   return result;
 }
 
+/// As a camera of that vignette would take it.
+inline cv::Mat1f darkened(const cv::Mat1f& image, const CalibrationCorrection::Vignette& vignette) {
+  const PinholeCamera camera = roomSimulator().camera();
+  cv::Mat1f result = image.clone();
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      result(y, x) *= static_cast<float>(std::exp(vignette.dot(vignetteJacobian(camera, {x, y}))));
+    }
+  }
+  return result;
+}
+
 /// Motion with constant velocity, T_world_mid at t = 0.
 inline PoseFunction constantVelocity(const SE3& T_world_mid, const Vector6& velocity) {
   return [=](double t) { return T_world_mid * SE3::exp(t * velocity); };

@@ -13,14 +13,16 @@ namespace {
 constexpr double kExposure = 0.02;  // [s]
 constexpr double kInterval = 0.03;  // [s]
 constexpr int kFrames = 16;
+constexpr std::int64_t kEnd_ns = 450000000;  // of the last frame
 const SE3 kT_other_first = SE3::exp((Vector6() << 0.01, 0.02, 0, 0.01, 0, 0.02).finished());
 
-/// A camera that swings to and fro before the room, seen from two references in turn, with the true poses.
+/// A camera that swings to and fro before the room, seen from two references in turn, with the true poses. The exposure
+/// of the last frame is `growth` times as long as that of the first, kExposure.
 struct Swing {
   std::vector<ReferenceConstPtr> references;
   std::vector<TrackedFrame> frames;
 
-  Swing() {
+  explicit Swing(double growth = 1.0) {
     const SimulatedFrame view = test::roomSimulator().render(40);
     const SE3 T_world_other = view.T_world_mid * kT_other_first.inverse();
     const SimulatedFrame other =
@@ -32,8 +34,8 @@ struct Swing {
       return view.T_world_mid * SE3::exp(std::sin(9.0 * t) * swing);
     };
     for (int i = 0; i < kFrames; ++i) {
-      const SimulatedFrame rendered =
-          test::roomSimulator().renderExposure(pose, kInterval * i, kExposure, static_cast<unsigned>(i));
+      const SimulatedFrame rendered = test::roomSimulator().renderExposure(
+          pose, kInterval * i, kExposure * std::pow(growth, i / (kFrames - 1.0)), static_cast<unsigned>(i));
       TrackedFrame tracked;
       tracked.frame = test::makeFrame(test::toFloat(rendered.blurred), std::llround(1e9 * kInterval * i), kExposure);
       tracked.status = TrackingStatus::kTracking;
@@ -45,12 +47,12 @@ struct Swing {
 };
 
 /// What the estimator makes of it if `given` comes with the images.
-ExposureEstimator estimate(const std::optional<double>& given, const TrackerConfig& config = {}) {
-  static const Swing swing;
+ExposureEstimator estimate(const std::optional<double>& given, const TrackerConfig& config = {},
+                           const Swing& swing = Swing()) {
   ExposureEstimator estimator(config);
   for (std::size_t i = 0; i < swing.frames.size(); ++i) {
     auto tracked = std::make_shared<TrackedFrame>(swing.frames[i]);
-    tracked->frame = test::withExposure(*tracked->frame, estimator.exposureFor(given));
+    tracked->frame = test::withExposure(*tracked->frame, estimator.exposureFor(given, tracked->frame->mid_exposure_ns));
     if (i > 0) estimator.changeReference(i % 2 == 1 ? kT_other_first : kT_other_first.inverse());
     estimator.add(swing.references[i % 2], tracked, given);
   }
@@ -59,35 +61,43 @@ ExposureEstimator estimate(const std::optional<double>& given, const TrackerConf
 
 TEST(ExposureEstimator, FindsAnUnknownExposure) {
   const ExposureEstimator estimator = estimate(std::nullopt);
-  EXPECT_TRUE(estimator.estimate(false).used);
-  const auto found = estimator.exposureFor(std::nullopt);
+  EXPECT_TRUE(estimator.estimate(false, kEnd_ns).used);
+  const auto found = estimator.exposureFor(std::nullopt, kEnd_ns);
   ASSERT_TRUE(found);
   EXPECT_NEAR(*found, kExposure, 0.06 * kExposure);
-  EXPECT_LT(estimator.estimate(false).log_sigma, 0.1);
+  EXPECT_LT(estimator.estimate(false, kEnd_ns).log_sigma, 0.1);
+}
+
+TEST(ExposureEstimator, FollowsAnUnknownExposureThatChanges) {
+  const ExposureEstimator estimator = estimate(std::nullopt, {}, Swing(0.5));
+  const auto found = estimator.exposureFor(std::nullopt, kEnd_ns);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(*found, 0.5 * kExposure, 0.2 * 0.5 * kExposure);
 }
 
 TEST(ExposureEstimator, CorrectsExposuresThatAreWrongByAFactor) {
   for (const double factor : {0.5, 2.0}) {
     const double given = factor * kExposure;
     const ExposureEstimator estimator = estimate(given);
-    EXPECT_TRUE(estimator.estimate(true).used);
-    EXPECT_NEAR(estimator.exposureFor(given).value_or(0.0), kExposure, 0.06 * kExposure) << "factor " << factor;
+    EXPECT_TRUE(estimator.estimate(true, kEnd_ns).used);
+    EXPECT_NEAR(estimator.exposureFor(given, kEnd_ns).value_or(0.0), kExposure, 0.06 * kExposure)
+        << "factor " << factor;
   }
 }
 
 TEST(ExposureEstimator, LeavesRightExposuresAsTheyAre) {
   const ExposureEstimator estimator = estimate(kExposure);
-  EXPECT_FALSE(estimator.estimate(true).used);
-  EXPECT_NEAR(estimator.estimate(true).ratio, 1.0, 0.06);
-  EXPECT_EQ(estimator.exposureFor(kExposure), kExposure);
-  EXPECT_EQ(estimator.exposureFor(0.0), 0.0);
+  EXPECT_FALSE(estimator.estimate(true, kEnd_ns).used);
+  EXPECT_NEAR(estimator.estimate(true, kEnd_ns).ratio, 1.0, 0.06);
+  EXPECT_EQ(estimator.exposureFor(kExposure, kEnd_ns), kExposure);
+  EXPECT_EQ(estimator.exposureFor(0.0, kEnd_ns), 0.0);
 }
 
 TEST(ExposureEstimator, KeepsStillWhenToldTo) {
   TrackerConfig config;
   config.estimate_exposure = false;
-  EXPECT_FALSE(estimate(std::nullopt, config).exposureFor(std::nullopt));
-  EXPECT_EQ(estimate(2.0 * kExposure, config).exposureFor(2.0 * kExposure), 2.0 * kExposure);
+  EXPECT_FALSE(estimate(std::nullopt, config).exposureFor(std::nullopt, kEnd_ns));
+  EXPECT_EQ(estimate(2.0 * kExposure, config).exposureFor(2.0 * kExposure, kEnd_ns), 2.0 * kExposure);
 }
 
 }  // namespace

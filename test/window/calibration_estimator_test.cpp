@@ -10,7 +10,7 @@ using Vector = CalibrationCorrection::Vector;
 /// Windows that know the truth, each with as much information about every number of the correction.
 CalibrationSystem windowOf(const Vector& truth, const CalibrationCorrection& used, double information) {
   Vector sigma;
-  sigma << 1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-6;
+  sigma << 1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-6, 1e-3, 1e-3, 1e-3;
   CalibrationSystem system;
   system.H = (information * sigma.array().square().inverse()).matrix().asDiagonal();
   system.b = -system.H * (truth - used.values);
@@ -19,7 +19,7 @@ CalibrationSystem windowOf(const Vector& truth, const CalibrationCorrection& use
 
 TEST(CalibrationEstimator, FindsTheTruth) {
   Vector truth;
-  truth << 0.01, -0.004, 0.006, -0.02, 0.01, 4e-5;
+  truth << 0.01, -0.004, 0.006, -0.02, 0.01, 4e-5, -0.3, 0.1, -0.1;
   CalibrationEstimator estimator;
   for (int i = 0; i < 100; ++i) estimator.add(windowOf(truth, estimator.correction(), 1e3));
   const Vector error = (estimator.correction().values - truth).cwiseAbs();
@@ -47,12 +47,45 @@ TEST(CalibrationEstimator, StepsAsSoonAsTheErrorIsSignificant) {
   EXPECT_GT(estimator.correction()[CalibrationCorrection::kRowTime], 4e-6);
 }
 
+TEST(CalibrationEstimator, HasSettledWhenWindowsLeaveItAsItIs) {
+  Vector truth = Vector::Zero();
+  truth(CalibrationCorrection::kFocal) = 0.02;
+  CalibrationEstimator estimator;
+  for (int i = 0; i < 60 && !estimator.settled(); ++i) estimator.add(windowOf(truth, estimator.correction(), 1e3));
+  ASSERT_TRUE(estimator.settled());
+  EXPECT_NEAR((*estimator.settled())[CalibrationCorrection::kFocal], 0.02, 1e-3);
+  const CalibrationCorrection before = *estimator.settled();
+  truth(CalibrationCorrection::kFocal) = -0.02;
+  while (!estimator.add(windowOf(truth, estimator.correction(), 1e3))) {
+  }
+  EXPECT_EQ(*estimator.settled(), before) << "what has only just been found has not settled";
+}
+
 TEST(CalibrationEstimator, WantsSeveralWindowsToAgree) {
   Vector truth = Vector::Zero();
   truth(CalibrationCorrection::kFocal) = 0.02;
   CalibrationEstimator estimator;
   EXPECT_FALSE(estimator.add(windowOf(truth, estimator.correction(), 1e6)));
   EXPECT_FALSE(estimator.add(windowOf(truth, estimator.correction(), 1e6)));
+}
+
+/// What a vignette does to a wrong geometry's residuals is not believed before the vignette is right.
+TEST(CalibrationEstimator, CorrectsTheVignetteFirstAndAlone) {
+  Vector truth = Vector::Zero();
+  truth(CalibrationCorrection::kV1) = -0.3;
+  truth(CalibrationCorrection::kFocal) = 0.01;
+  CalibrationEstimator estimator;
+  EXPECT_TRUE(estimator.add(windowOf(truth, estimator.correction(), 1e3))) << "one window is enough";
+  EXPECT_NEAR(estimator.correction()[CalibrationCorrection::kV1], -0.3, 0.01);
+  EXPECT_FALSE(estimator.correction().correctsLens());
+}
+
+TEST(CalibrationEstimator, LeavesAToldVignetteAlone) {
+  Vector truth = Vector::Zero();
+  truth(CalibrationCorrection::kV1) = -0.3;
+  CalibrationEstimator estimator({}, CalibrationEstimator::Vignette::kTold);
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(estimator.add(windowOf(truth, estimator.correction(), 1e3)));
+  EXPECT_TRUE(estimator.correction().isZero());
 }
 
 TEST(CalibrationEstimator, GoesOnFromAnEarlierCorrection) {

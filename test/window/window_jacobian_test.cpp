@@ -157,7 +157,7 @@ TEST_P(WindowJacobian, OfTheCalibrationIsThatOfALackingCorrection) {
     };
     // Units in which all numbers move the image by about as much.
     CalibrationCorrection::Vector unit;
-    unit << 1.0, 1.0, 1.0, 1.0, 1.0, 1e-3;
+    unit << 1.0, 1.0, 1.0, 1.0, 1.0, 1e-3, 1.0, 1.0, 1.0;
     const auto place = [&](const Eigen::VectorXd& d) -> Eigen::VectorXd {
       PatchPath path;
       EXPECT_TRUE(makePath(pairWith(unit.cwiseProduct(d)), centre, point, path));
@@ -173,6 +173,45 @@ TEST_P(WindowJacobian, OfTheCalibrationIsThatOfALackingCorrection) {
         << analytic << "\n\n"
         << numeric;
   }
+}
+
+// A vignette that both images lack changes the residual as vignetteJacobian says.
+TEST_P(WindowJacobian, OfTheVignetteIsThatOfALackingOne) {
+  Random random(37);
+  WindowState state = randomState(random, GetParam());
+  const WindowLinearizer linearizer(smoothOptions(), true);
+  linearizer.placePixels(state, 0.75F);
+  int compared = 0;
+  for (const PointState& point : state.points) {
+    const PatchResidual& residual = point.residuals.front();
+    const auto residualsWith = [&](const Eigen::VectorXd& vignette) -> Eigen::VectorXd {
+      KeyframeState host = state.keyframe(point.host);
+      KeyframeState target = state.keyframe(residual.target);
+      host.lacking.values.tail<3>() = target.lacking.values.tail<3>() = vignette;
+      const PairGeometry pair = makePairGeometry(host, target, true);
+      PatchPath path;
+      PatchComparison comparison;
+      EXPECT_TRUE(makePath(pair, residual.centre, point, path));
+      EXPECT_TRUE(comparePatch(pair, path, residual, smoothOptions(), comparison));
+      Eigen::VectorXd r(2 * kResidualPixels);
+      for (std::size_t k = 0; k < kResidualPixels; ++k) {
+        r(static_cast<Eigen::Index>(k)) = comparison.r[k];
+        r(static_cast<Eigen::Index>(k + kResidualPixels)) = comparison.normalized[k];
+      }
+      return r;
+    };
+    const PairGeometry pair = makePairGeometry(state.keyframe(point.host), state.keyframe(residual.target), true);
+    PatchPath path;
+    if (!residual.has_pixels || !makePath(pair, residual.centre, point, path)) continue;
+    const CalibrationCorrection::Vignette by_vignette =
+        vignetteJacobian(pair.target_camera, residual.centre.cast<double>()) -
+        vignetteJacobian(pair.host_camera, path.c0.cast<double>());
+    const Eigen::VectorXd normalized = residualsWith(Eigen::Vector3d::Zero()).tail(kResidualPixels);
+    const Eigen::MatrixXd numeric = numericJacobian(residualsWith, 3, 1e-2).topRows(kResidualPixels);
+    EXPECT_LT((numeric + normalized * by_vignette.transpose()).cwiseAbs().maxCoeff(), 0.05);
+    ++compared;
+  }
+  EXPECT_GT(compared, 5);
 }
 
 // Whether it finds what is lacking is tested on rendered sequences (odometry/calibration_test.cpp).

@@ -65,9 +65,10 @@ class DepthSearcher {
  public:
   /// `T_host`: the frame's exposure trajectory relative to the host. `gain`, `offset`: expected frame intensity = gain
   /// * host intensity + offset. The pyramids must outlive the searcher.
-  /// `host_velocity`: for a rolling shutter.
+  /// `host_velocity`: for a rolling shutter. `vignette`: of the two images.
   DepthSearcher(const ImagePyramid& host, const ImagePyramid& frame, const ExposureTrajectory& T_host, double gain,
-                double offset, const DepthSearchConfig& config, const Vector6& host_velocity = Vector6::Zero());
+                double offset, const DepthSearchConfig& config, const Vector6& host_velocity = Vector6::Zero(),
+                const VignetteRatio& vignette = {});
 
   /// Safe to call from several threads for different points.
   void search(ImmaturePoint& point) const;
@@ -92,7 +93,8 @@ class DepthSearcher {
   };
 
   DepthSearcher(const ImageLevel& host, const ImageLevel& frame, const ExposureTrajectory& T_host, double gain,
-                double offset, const DepthSearchConfig& config, const Vector6& host_velocity);
+                double offset, const DepthSearchConfig& config, const Vector6& host_velocity,
+                const VignetteRatio& vignette);
   /// With a rolling shutter, each point and each row of the frame has a relative pose of its own.
   void searchRolling(ImmaturePoint& point) const;
   void searchInRow(double frame_row, ImmaturePoint& point) const;
@@ -116,6 +118,7 @@ class DepthSearcher {
   MovingPose T_frame_host_row_;  // for points of other than the host's middle row
   double gain_;
   double offset_;
+  VignetteRatio vignette_;
   HostToFrame transform_;
   SearchPatchMaker patch_maker_;
 };

@@ -5,6 +5,7 @@
 
 #include "mba_vo/blur/reblur.h"
 #include "mba_vo/depth_search/epipolar_line.h"
+#include "mba_vo/geometry/calibration_correction.h"
 #include "mba_vo/geometry/exposure_trajectory.h"
 #include "mba_vo/image/image_pyramid.h"
 
@@ -38,7 +39,7 @@ class SearchPatchMaker {
  public:
   /// Paths shorter than `min_blur_px` are taken as sharp. The images must outlive the maker.
   SearchPatchMaker(const ImageLevel& host, const PinholeCamera& frame_camera, const ExposedPoses& T_host_frame,
-                   double gain, double offset, double min_blur_px);
+                   double gain, double offset, const VignetteRatio& vignette, double min_blur_px);
 
   /// Expected patch at distance `s` on the line of `host_pixel`; invalid where the host has no (valid) pixels.
   /// `spacing_px`: of the samples along the path of the blur.
@@ -60,12 +61,14 @@ class SearchPatchMaker {
   };
   static std::optional<Hit> hit(const Moment& moment, const Eigen::Vector2d& frame_pixel, double inverse_depth);
   bool makePath(const Eigen::Vector2d& frame_pixel, double inverse_depth, PatchPath& path) const;
-  SearchPatch makeSharp(const Eigen::Vector2i& host_pixel, const EpipolarLine& line, double inverse_depth) const;
-  SearchPatch makeBlurred(const PatchPath& path, float spacing_px) const;
+  SearchPatch makeSharp(const Eigen::Vector2i& host_pixel, const EpipolarLine& line, double inverse_depth,
+                        float gain) const;
+  SearchPatch makeBlurred(const PatchPath& path, float spacing_px, float gain) const;
 
   const ImageLevel* host_;
-  float gain_;
+  double gain_;
   float offset_;
+  VignetteRatio vignette_;
   double min_blur_px_;
   bool moving_;
   PatchPattern pattern_ = PatchPattern::spread8();

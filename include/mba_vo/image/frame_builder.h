@@ -18,6 +18,7 @@ struct FrameBuilderConfig {
   double gamma = 1.0;  // pixel = irradiance^(1/gamma); 1 = linear camera
   std::string response_file;
   std::string vignette_file;
+  std::string learnt_file;
   double row_time = 0.0;
 
   template <typename Config, typename Visitor>
@@ -26,6 +27,8 @@ struct FrameBuilderConfig {
     v("gamma", c.gamma, 0.1, 10.0, "gamma of the camera, 1 = linear; ignored if response_file is set");
     v("response_file", c.response_file, "response in TUM mono form (pcalib.txt: 256 values), empty = none");
     v("vignette_file", c.vignette_file, "vignette image in TUM mono form, empty = none");
+    v("learnt_file", c.learnt_file,
+      "what runs learn of the camera is kept in this file, and the next run begins with it; empty = forgotten");
     v("row_time", c.row_time, -1e-3, 1e-3, "rolling shutter: time from one row to the next [s], 0 = global shutter");
   }
 };

@@ -22,6 +22,7 @@ struct ExposureCorrection {
 
 struct OfflineOptions {
   OdometryConfig config;
+  CalibrationCorrection known;             // of the calibration, by earlier runs
   std::optional<double> exposure;          // for every image [s], 0 = instantaneous; nullopt = as recorded
   ExposureCorrection exposure_correction;  // else
   std::size_t skip = 0;                    // images left out at the beginning
@@ -45,7 +46,8 @@ struct StageTimes {
 struct OfflineResult {
   RunLog log;
   std::vector<TrajectoryEntry> trajectory;
-  CalibrationCorrection correction;        // of the calibration, at the end
+  CalibrationCorrection correction;                         // of the calibration, at the end
+  std::optional<CalibrationCorrection> settled_correction;  // the last that was right for a while
   ExposureCorrection exposure_correction;  // that which was given, or, if the images contradict it, as they say
   std::vector<MapPoint> points;            // of the last map
   DeblurCounts deblurring;                 // of the keyframes

@@ -55,8 +55,10 @@ class Mapper {
   /// The same, but what had been put off stays undone: after something has gone wrong.
   void abandonMap();
 
-  /// What the images say that the calibration lacks.
-  CalibrationCorrection correction() const;
+  /// How the calibration is to be corrected, by what the images say; nullopt before the first frame.
+  std::optional<CalibrationCorrection> correction() const;
+  /// The last such correction that the images left as it is for a while; nullopt if there was none.
+  std::optional<CalibrationCorrection> settledCorrection() const;
 
   /// All frames with a measured pose, by time, each re-expressed with its keyframe's newest pose.
   std::vector<TrajectoryEntry> trajectory() const;

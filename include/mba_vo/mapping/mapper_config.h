@@ -32,8 +32,8 @@ struct MapperConfig {
   bool commute_blur = true;
   bool refine_calibration = true;
   bool refine_frames = true;
-  CalibrationCorrection start_correction;  // found before, by an earlier run. Not read from `mapper`
-  bool deterministic = false;              // bit-identical results run after run; sums in a fixed order
+  bool vignette_told = false;  // by a file: no vignette is to be found. Not read from `mapper`
+  bool deterministic = false;  // bit-identical results run after run; sums in a fixed order
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
@@ -51,7 +51,8 @@ struct MapperConfig {
     v.section("relocalizer", c.relocalizer);
     v("commute_blur", c.commute_blur, "blur frames along the keyframe's own path where the keyframe is not sharp");
     v("refine_calibration", c.refine_calibration,
-      "correct focal length, centre, radial distortion and row time where the images say that they are wrong");
+      "correct vignette, focal length, centre, radial distortion and row time where the images say that they are "
+      "wrong");
     v("refine_frames", c.refine_frames,
       "track frames once more, for the trajectory, when a second keyframe after them has been optimised");
   }

@@ -24,20 +24,18 @@ class ImageIntake {
     double build_ms = 0.0;                 // time taken to make the frame
   };
 
-  /// `start`: correction of the calibration that is known before. `in_background`: further corrections of the
-  /// calibration are worked out meanwhile, so that no image has to wait for them.
-  ImageIntake(const FrameBuilderConfig& config, PhotometricCalibration photometric, const CalibrationCorrection& start,
-              bool in_background);
+  /// `in_background`: corrections of the calibration are worked out meanwhile, so that no image has to wait for them.
+  ImageIntake(const FrameBuilderConfig& config, PhotometricCalibration photometric, bool in_background);
 
-  /// Throws std::invalid_argument naming what is wrong with the calibration.
-  void setCalibration(const CameraCalibration& calibration);
+  /// `known`: correction to begin with. Throws std::invalid_argument naming what is wrong with the calibration.
+  void setCalibration(const CameraCalibration& calibration, const CalibrationCorrection& known);
   bool isCalibrated() const { return builder_ != nullptr; }
 
   Result take(const CameraImage& image);
 
   /// Images to come are made as the mapper believes they should be. True if that is news.
   bool correct(const CalibrationCorrection& correction);
-  /// Forgets stamps and correction.
+  /// Forgets stamps, and the correction but for what was known at first.
   void reset();
 
  private:

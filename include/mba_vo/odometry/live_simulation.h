@@ -16,7 +16,9 @@ class LiveSimulation : public OdometryRun {
  public:
   LiveSimulation(const OdometryConfig& config, const Machine& machine, const PhotometricCalibration& photometric = {});
 
-  void setCalibration(const CameraCalibration& calibration) override { tracker_.setCalibration(calibration); }
+  void setCalibration(const CameraCalibration& calibration, const CalibrationCorrection& known) override {
+    tracker_.setCalibration(calibration, known);
+  }
   /// What has been done until the image arrives; its own result comes with a later call.
   OdometryResult process(const CameraImage& image) override;
   OdometryResult finish() override;

@@ -32,8 +32,9 @@ class OdometryRun {
  public:
   virtual ~OdometryRun() = default;
 
-  /// Throws std::invalid_argument naming what is wrong with the calibration. To be called before the first image.
-  virtual void setCalibration(const CameraCalibration& calibration) = 0;
+  /// Throws std::invalid_argument naming what is wrong with the calibration. `known`: how it is to be corrected, as
+  /// earlier runs have found. To be called before the first image.
+  virtual void setCalibration(const CameraCalibration& calibration, const CalibrationCorrection& known) = 0;
   /// The next image, which comes in now.
   virtual OdometryResult process(const CameraImage& image) = 0;
   /// After the last image: does what waits.
@@ -52,7 +53,9 @@ class Odometry : public OdometryRun {
   /// Throws std::invalid_argument for a negative delay.
   Odometry(const OdometryConfig& config, int reference_delay_frames, const PhotometricCalibration& photometric = {});
 
-  void setCalibration(const CameraCalibration& calibration) override { tracker_.setCalibration(calibration); }
+  void setCalibration(const CameraCalibration& calibration, const CalibrationCorrection& known) override {
+    tracker_.setCalibration(calibration, known);
+  }
   OdometryResult process(const CameraImage& image) override;
   /// Every frame gives exactly one result.
   OdometryResult process(const FrameConstPtr& frame);

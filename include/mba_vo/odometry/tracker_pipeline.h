@@ -68,8 +68,8 @@ class TrackerPipeline {
   std::vector<CameraImage> addImage(const CameraImage& image, double arrival = 0.0);
   void addFrame(const FrameConstPtr& frame);
   void addReference(const MapperMessage& reference);
-  /// Another calibration of the camera ends what went before, once there was one.
-  void setCalibration(const CameraCalibration& calibration);
+  /// Another calibration of the camera ends what went before, once there was one. `known`: how it is to be corrected.
+  void setCalibration(const CameraCalibration& calibration, const CalibrationCorrection& known = {});
   void requestReset();
   std::size_t queueBytes() const { return queue_.bytes(); }
   std::size_t queuedJobs() const { return queue_.size(); }
@@ -94,8 +94,12 @@ class TrackerPipeline {
     CameraImage image;
     double arrival = 0.0;
   };
+  struct KnownCamera {
+    CameraCalibration calibration;
+    CalibrationCorrection correction;
+  };
   struct ResetRequest {};
-  using Job = std::variant<QueuedImage, FrameConstPtr, CameraCalibration, ResetRequest>;
+  using Job = std::variant<QueuedImage, FrameConstPtr, KnownCamera, ResetRequest>;
   enum class Turn { kQueue, kWaitingFrame, kNothing };
 
   static std::size_t bytesOf(const Job& job);
@@ -104,7 +108,7 @@ class TrackerPipeline {
   TrackerStep takeJob();
   TrackerStep takeImage(const QueuedImage& queued);
   TrackerStep takeFrame(const FrameConstPtr& frame);
-  TrackerStep takeCalibration(const CameraCalibration& calibration);
+  TrackerStep takeCalibration(const KnownCamera& camera);
   std::optional<TrackerStep> trackWaiting(bool may_hold);
   TrackerStep reset(const std::string& reason);
   void beginSession();

@@ -95,6 +95,7 @@ class AlignmentProblem {
     double reference_row;    // of the point, on this level
     double inverse_depth;
     double inverse_depth_variance;
+    double gain;                                   // by the vignettes that the two images lack
     std::array<float, kMaxPatchPixels> intensity;  // of the frame, NaN where invalid
   };
   class Sums;
@@ -115,6 +116,7 @@ class AlignmentProblem {
   const ImageLevel& frame_level_;
   const PatchPattern& pattern_;
   bool rolling_;
+  VignetteRatio vignette_;
   AlignmentOptions options_;
   std::optional<AlignmentPrior> prior_;
   HuberLoss loss_;

@@ -1,27 +1,28 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "mba_vo/tracking/exposure_filter.h"
 #include "mba_vo/tracking/exposure_probe.h"
 
 namespace mba_vo {
 
 /// Estimates by what factor exposures differ from those that came with the images, or from the assumed one where none
-/// came: blur is compared with the motion between the frames, over stretches where that is smooth. The factor is the
-/// median of what single frames say. It is used where no exposure came with the images as soon as it is known, and else
-/// only if it is so far from 1 that the exposures that came must be wrong.
+/// came: blur is compared with the motion between the frames, over stretches where that is smooth. Of exposures that
+/// came, the factor is the median of what single frames say, and is used only if it is so far from 1 that they must be
+/// wrong. Where none came it is followed from frame to frame, as automatic exposure may change it, and used as soon as
+/// it is known.
 class ExposureEstimator {
  public:
-  explicit ExposureEstimator(const TrackerConfig& config) : config_(config) {}
+  explicit ExposureEstimator(const TrackerConfig& config);
 
   /// Exposure to track a frame with, given the one that came with it [s]; nullopt = not known.
-  std::optional<double> exposureFor(const std::optional<double>& given) const;
-  const ExposureEstimate& estimate(bool given) const { return ratios_[given].estimate; }
+  std::optional<double> exposureFor(const std::optional<double>& given, std::int64_t mid_exposure_ns) const;
+  ExposureEstimate estimate(bool given, std::int64_t mid_exposure_ns) const;
 
   /// `given`: the exposure that came with the frame. Frames should come in the order of time; the others are left out.
   void add(const ReferenceConstPtr& reference, const std::shared_ptr<const TrackedFrame>& tracked,
@@ -46,14 +47,15 @@ class ExposureEstimator {
     std::deque<Sample> samples;
     ExposureEstimate estimate;
   };
-  static int framesBetweenProbes(const Ratio& ratio);
+  int framesBetweenProbes(bool known) const;
   std::optional<ExposureSample> probeMiddle(const Reference& reference);
-  static void update(Ratio& ratio, bool known);
+  static void update(Ratio& ratio);
   static double weightedMedian(std::vector<Sample> samples);  // of the logarithms; at least one sample
 
   TrackerConfig config_;
-  std::deque<Seen> seen_;        // the newest ones
-  std::array<Ratio, 2> ratios_;  // to the assumed exposure where none came; to those that came
+  std::deque<Seen> seen_;   // the newest ones
+  Ratio ratio_;             // to the exposures that came
+  ExposureFilter unknown_;  // where none came, relative to the assumed one
   std::int64_t newest_probed_ns_ = 0;
   int left_out_ = 0;  // frames since the last probe, itself included
 };

@@ -67,10 +67,12 @@ struct Reference {
   std::int64_t mid_exposure_ns = 0;  // of its image [ns]
   SE3 T_map_reference;
   std::shared_ptr<const ImagePyramid> pyramid;
-  Vector6 image_xi = Vector6::Zero();  // motion blur left in the image, 0 = sharp [m, rad]
-  Vector6 velocity = Vector6::Zero();  // while the rows of a rolling shutter are read [m/s, rad/s]
-  AffineBrightness brightness;         // of the reference image
-  CalibrationCorrection correction;    // that new images should be made with
+  Vector6 image_xi = Vector6::Zero();                       // motion blur left in the image, 0 = sharp [m, rad]
+  Vector6 velocity = Vector6::Zero();                       // while the rows of a rolling shutter are read [m/s, rad/s]
+  AffineBrightness brightness;                              // of the reference image
+  CalibrationCorrection image_correction;                   // of the calibration, that its image was made with
+  CalibrationCorrection correction;                         // that new images should be made with
+  std::optional<CalibrationCorrection> settled_correction;  // the last one that was right for a while
   std::vector<ReferencePoint> points;
   std::map<KeyframeId, SE3> T_map_keyframe;  // the window's poses at the same moment
   std::optional<TrackingHint> hint;          // where the cause says so

@@ -26,7 +26,8 @@ using Matrix12 = Eigen::Matrix<double, 12, 12>;
 struct ExposureEstimate {
   double ratio = 1.0;                                          // estimated / given
   double log_sigma = std::numeric_limits<double>::infinity();  // standard deviation of its logarithm
-  bool used = false;  // frames are tracked with the exposure that came, or the assumed one, times the ratio
+  bool used = false;    // frames are tracked with the exposure that came, or the assumed one, times the ratio
+  bool varies = false;  // the ratio is that of this frame alone
 };
 
 /// Result for one frame: tracker -> mapper. Every frame that came in makes exactly one of these.

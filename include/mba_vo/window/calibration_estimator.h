@@ -1,23 +1,37 @@
 #pragma once
 
+#include <optional>
+
 #include "mba_vo/window/calibration_system.h"
 
 namespace mba_vo {
 
 /// Corrects the calibration where window after window agrees that it is wrong. A good calibration stays as it is: what
-/// the windows then say is small beside its uncertainty.
+/// the windows then say is small beside its uncertainty. The vignette comes first, and needs one window alone.
 class CalibrationEstimator {
  public:
-  explicit CalibrationEstimator(const CalibrationCorrection& start = {}) : correction_(start) {}
+  enum class Vignette { kUnknown, kTold };  // kTold: nothing of it is left to be found
+
+  explicit CalibrationEstimator(const CalibrationCorrection& start = {}, Vignette vignette = Vignette::kUnknown)
+      : vignette_(vignette), correction_(start) {}
 
   /// The correction that new images should be made with.
   const CalibrationCorrection& correction() const { return correction_; }
+
+  /// The last correction that one window after the other has left as it is, for a while; nullopt if there was none.
+  const std::optional<CalibrationCorrection>& settled() const { return settled_; }
 
   /// Adds what a window says about errors left by the present correction. True if the correction changed.
   bool add(const CalibrationSystem& system);
 
  private:
+  CalibrationSystem withPrior() const;
+  bool correctVignette();
+  bool correctGeometry();
+
+  Vignette vignette_;
   CalibrationCorrection correction_;
+  std::optional<CalibrationCorrection> settled_;
   CalibrationSystem sum_;  // since the correction changed
   int windows_ = 0;        // in the sum
 };

@@ -16,7 +16,7 @@ struct CalibrationSystem {
 /// point.
 CalibrationSystem linearizeCalibration(WindowState& state, const WindowLinearizer& linearizer, int stride);
 
-/// d place in the host / d correction of both images, for the middle of the exposure [0] and by the time within it [1].
+/// d place in the host / d geometric correction of both images, at mid-exposure [0] and by the time since then [1].
 std::array<Eigen::Matrix<double, 2, CalibrationCorrection::kDim>, 2> calibrationJacobian(const PairGeometry& pair,
                                                                                          const PatchPath& path,
                                                                                          const Eigen::Vector2d& pixel,

@@ -17,6 +17,7 @@ struct PairGeometry {
   RowMotion rows;                            // of target and host
   PinholeCamera host_camera, target_camera;  // with the row time as is known now
   CalibrationCorrection lacking_host, lacking_target;
+  VignetteRatio vignette;
   std::optional<FixedMotionPathMaker> path;        // at the current state, with the target's motion
   std::optional<FixedMotionPathMaker> first_path;  // at the linearisation points, if they differ
   std::optional<CommutedBlur> commuted;            // if the host's image is itself blurred

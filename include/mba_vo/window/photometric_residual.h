@@ -30,6 +30,7 @@ struct PatchComparison {
   alignas(64) Pixels gx, gy, ugx, ugy;  // moments of the host's gradient along the blur path, times -gain
   Pixels normalized;                    // gain (B_reblurred - b_host)
   Pixels r;                             // [grey levels]
+  float gain = 1.0F;                    // with the vignettes that the images lack
   Pixels weight;                        // of r^2, with Huber's and the precision [1 / grey level^2]
   float energy = 0.0F;                  // Huber energy, with the precision
   float misfit = 0.0F;                  // with the options' threshold and without the precision [grey levels^2]

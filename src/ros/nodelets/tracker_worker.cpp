@@ -53,6 +53,7 @@ cv::Mat1f depthOf(const InputImage& input, std::string& problem) {
 TrackerWorker::TrackerWorker(ros::NodeHandle& nh, const NodeConfig& config, StatusReporter& status)
     : config_(config),
       stamp_reference_(config.stampReference()),
+      memory_(config.odometry.image),
       status_(status),
       tracked_frames_(nh.advertise<TrackedFrameMessage>("tracked_frame", 1000)),
       motions_(nh, config.frames, config.publish_tf),
@@ -76,8 +77,22 @@ void TrackerWorker::addReference(const ReferenceMessageConstPtr& reference) {
 }
 
 void TrackerWorker::setCalibration(const CameraCalibration& calibration) {
-  pipeline_.setCalibration(calibration);
+  CalibrationCorrection known;
+  try {
+    known = memory_.recall(calibration);
+  } catch (const std::exception& error) {
+    ROS_ERROR_STREAM("what was learnt of the camera is not used, and nothing more is kept: " << error.what());
+  }
+  pipeline_.setCalibration(calibration, known);
   thread_.wake();
+}
+
+void TrackerWorker::keepLearnt(const CalibrationCorrection& correction) {
+  try {
+    memory_.keep(correction);
+  } catch (const std::exception& error) {
+    ROS_ERROR_STREAM_THROTTLE(kWarnPeriod, "what was learnt of the camera is not kept: " << error.what());
+  }
 }
 
 void TrackerWorker::reset() {
@@ -120,10 +135,12 @@ void TrackerWorker::recover(const std::string& what) {
 void TrackerWorker::tellAdopted() {
   for (const ReferenceConstPtr& reference : pipeline_.takeAdopted()) {
     status_.referenceAdopted(*reference);
+    const auto& settled = reference->settled_correction;
+    if (settled && settled != std::exchange(kept_, settled)) keepLearnt(*settled);
     if (pipeline_.takeCorrected()) {
       ROS_WARN_STREAM(
           "the images say that the calibration is wrong; it is corrected by focal length (relative), centre "
-          "(focal lengths), k1, k2, row time [s]: "
+          "(focal lengths), k1, k2, row time [s], vignette: "
           << reference->correction.values.transpose());
     }
   }

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "extrinsic.h"
+#include "mba_vo/io/camera_memory.h"
 #include "mba_vo/io/online_record.h"
 #include "mba_vo/odometry/pipeline_thread.h"
 #include "mba_vo/odometry/tracker_pipeline.h"
@@ -31,6 +33,7 @@ class TrackerWorker {
   bool step();
   void recover(const std::string& what);
   void tellAdopted();
+  void keepLearnt(const CalibrationCorrection& correction);
   void forward(const TrackerMessage& message);
   void publishImage(const TrackerStep& step);
   void publishMotion(const TrackerStep& step);
@@ -44,6 +47,7 @@ class TrackerWorker {
 
   const NodeConfig config_;
   const StampReference stamp_reference_;
+  CameraMemory memory_;
   StatusReporter& status_;
   ros::Publisher tracked_frames_;
   MotionPublisher motions_;
@@ -54,7 +58,8 @@ class TrackerWorker {
   std::unique_ptr<OnlineRecord> record_;  // null: nothing is written, or no more
   std::uint64_t next_number_ = 0;         // of the frames forwarded in this session
   std::uint64_t session_ = 0;
-  std::int64_t last_measured_ns_ = 0;  // mid-exposure; 0 = none
+  std::optional<CalibrationCorrection> kept_;  // for the next start
+  std::int64_t last_measured_ns_ = 0;          // mid-exposure; 0 = none
   TrackingPhase last_phase_ = TrackingPhase::kNoMap;
 
   PipelineThread thread_;  // the last one: it ends first
