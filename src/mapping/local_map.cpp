@@ -159,7 +159,7 @@ void LocalMap::refineWindow(KeyframeReport& report) {
   report.optimisation_ms = millisecondsSince(stage);
 
   stage = Clock::now();
-  refineCalibration();
+  refineImaging();
   report.calibration_ms = millisecondsSince(stage);
 
   stage = Clock::now();
@@ -234,9 +234,13 @@ void LocalMap::marginalizeKeyframes() {
   }
 }
 
-void LocalMap::refineCalibration() {
-  if (!config_.refine_calibration || static_cast<int>(keyframes_.size()) < kCalibrationKeyframes) return;
-  for (int i = 0; i < kCalibrationSteps && calibration_.add(window_.calibrationSystem()); ++i) {
+void LocalMap::refineImaging() {
+  const bool rolling = cameraOf(newestKeyframe()).row_time != 0.0;
+  if (!config_.refine_calibration && !rolling) return;
+  if (static_cast<int>(keyframes_.size()) < kCalibrationKeyframes) return;
+  for (int i = 0; i < kCalibrationSteps; ++i) {
+    const CalibrationSystem system = window_.refineRowMotions();
+    if (!config_.refine_calibration || !calibration_.add(system)) return;
     window_.setCorrection(calibration_.correction());
     window_.optimize(config_.window.max_iterations);
     storePoses();

@@ -6,7 +6,7 @@ namespace mba_vo {
 namespace {
 
 constexpr int kLeastWindows = 4;
-constexpr int kSettledWindows = 12;  // without a step: some three seconds of a hand-held camera
+constexpr int kSettledWindows = 8;  // without a step: some two seconds of a hand-held camera
 // Pixels, patches of a point, and windows that share keyframes are far from independent, and what no model explains is
 // the same in many. The scatter of the windows' estimates is some ten times what the residuals alone would have.
 constexpr double kCorrelation = 50.0;
@@ -16,6 +16,8 @@ constexpr double kSignificant = 12.6;  // chi^2 of a step worth taking
 constexpr double kStep = 1.5;
 // The same of three. Right cameras took steps of up to 0.6 % of the light; true vignettes a first one of 8 to 20 %.
 constexpr double kSignificantVignette = 7.8;
+// Five standard deviations: what is not told of a shutter is far from what was taken for it, or right.
+constexpr double kSignificantRowTime = 25.0;
 constexpr int kVignette = CalibrationCorrection::kVignetteDim;
 
 CalibrationCorrection::Vector priorSigma() {
@@ -35,7 +37,7 @@ bool CalibrationEstimator::add(const CalibrationSystem& system) {
     sum_.b.tail<kVignette>().setZero();
   }
   ++windows_;
-  if (correctVignette() || (windows_ >= kLeastWindows && correctGeometry())) {
+  if (correctVignette() || correctRowTime() || (windows_ >= kLeastWindows && correctGeometry())) {
     sum_ = {};
     windows_ = 0;
     return true;
@@ -60,6 +62,18 @@ bool CalibrationEstimator::correctVignette() {
   const auto of_vignette = covariance.bottomRightCorner<kVignette, kVignette>().ldlt();
   if (!(step.dot(of_vignette.solve(step)) > kSignificantVignette)) return false;
   correction_.values.tail<kVignette>() += step;
+  return true;
+}
+
+/// Of the row time alone, whatever the rest is: a map that is made without it goes wrong from the beginning.
+bool CalibrationEstimator::correctRowTime() {
+  constexpr int kRow = CalibrationCorrection::kRowTime;
+  if (correction_.values(kRow) != 0.0) return false;
+  const CalibrationSystem system = withPrior();
+  const CalibrationCorrection::Vector covariances = system.H.ldlt().solve(CalibrationCorrection::Vector::Unit(kRow));
+  const double step = -covariances.dot(system.b);
+  if (!(step * step > kSignificantRowTime * covariances(kRow))) return false;
+  correction_.values(kRow) += step;
   return true;
 }
 

@@ -67,9 +67,9 @@ void GaugeFixing::restore(WindowState& state) const {
     const SE3 moved(rotation * now.rotation(), centre_before + scale * (rotation * (now.translation() - centre)));
     keyframe.delta.head<6>() = (keyframe.T_linear.inverse() * moved).log();
     scaleLength(keyframe.xi, scale);
-    scaleLength(keyframe.expected_xi, scale);
     scaleLength(keyframe.image_xi, scale);
     scaleLength(keyframe.velocity, scale);
+    scaleLength(keyframe.expected_velocity, scale);
   }
   state.relinearize();
   for (PointState& point : state.points) {

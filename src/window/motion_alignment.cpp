@@ -187,7 +187,7 @@ void MotionAlignment::addPrior(const KeyframeMotion& motion, NormalEquations<kSt
   const double information = kResidualVariance * std::pow(focal_length_ / kExpectedError, 2.0);
   Vector6 informations = Vector6::Constant(information);
   informations.head<3>() *= median_inverse_depth_ * median_inverse_depth_;
-  equations.addPrior<6>(8, motion.xi - target_.expected_xi, informations);
+  equations.addPrior<6>(8, motion.xi - target_.exposure() * target_.expected_velocity, informations);
 }
 
 NormalEquations<MotionAlignment::kStates> MotionAlignment::linearize(const KeyframeMotion& motion) const {

@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "mba_vo/window/calibration_system.h"
 #include "mba_vo/window/gauge_fixing.h"
+#include "mba_vo/window/imaging_system.h"
 #include "mba_vo/window/keyframe_image_error.h"
 #include "mba_vo/window/marginalization_policy.h"
 #include "mba_vo/window/motion_alignment.h"
@@ -25,6 +25,7 @@ constexpr double kScalePrior = 1e10;        // information of the log of the sca
 constexpr double kBrightnessAnchor = 1e10;  // information of the first keyframe's a and b
 
 constexpr int kCalibrationStride = 4;  // of the points that tell about the calibration: a quarter is more than enough
+constexpr int kRollingStride = 1;      // and about the motion of every keyframe, 1.1 times better than with 2
 
 ResidualOptions residualOptions(const WindowConfig& config) {
   ResidualOptions options;
@@ -95,9 +96,9 @@ KeyframeState Window::Impl::stateOf(const WindowKeyframe& keyframe) const {
   added.sharp = keyframe.sharp;
   added.original = keyframe.original;
   added.image_xi = keyframe.image_xi;
-  added.velocity = keyframe.velocity;
+  added.velocity = added.expected_velocity = keyframe.velocity;
   added.blur_length_px = keyframe.blur_length_px;
-  added.xi = added.expected_xi = keyframe.xi;
+  added.xi = keyframe.xi;
   added.correction = keyframe.correction;
   added.lacking = keyframe.correction.lacks(correction_);
   added.T_linear = keyframe.T_map_keyframe;
@@ -252,8 +253,16 @@ void Window::setCorrection(const CalibrationCorrection& correction) {
   impl_->pairs_.clear();
 }
 
-CalibrationSystem Window::calibrationSystem() {
-  return linearizeCalibration(impl_->state_, impl_->linearizer_, kCalibrationStride);
+CalibrationSystem Window::refineRowMotions() {
+  const bool rolling = impl_->state_.keyframes.front().readoutTime() != 0.0;
+  const ImagingSystem imaging =
+      linearizeImaging(impl_->state_, impl_->linearizer_, rolling ? kRollingStride : kCalibrationStride);
+  auto step = imaging.velocity_steps.begin();
+  for (KeyframeState& k : impl_->state_.keyframes) {
+    if (step != imaging.velocity_steps.end()) k.setVelocity(k.velocity + *step++);
+  }
+  impl_->pairs_.clear();
+  return imaging.calibration;
 }
 
 std::vector<KeyframeId> Window::keyframesToMarginalize() const { return impl_->keyframesToMarginalize(); }

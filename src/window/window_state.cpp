@@ -14,6 +14,16 @@ void KeyframeState::setMotion(const Vector6& motion) {
   xi = motion;
 }
 
+void KeyframeState::setVelocity(const Vector6& moving) {
+  if (const double seconds = exposure(); seconds > 0.0) setMotion(moving * seconds);
+  velocity = moving;
+}
+
+double KeyframeState::readoutTime() const {
+  const PinholeCamera& camera = original->level(0).camera;
+  return (camera.row_time + lacking[CalibrationCorrection::kRowTime]) * camera.height;
+}
+
 int WindowState::indexOf(KeyframeId id) const {
   for (int i = 0; i < size(); ++i) {
     if (keyframe(i).id == id) return i;

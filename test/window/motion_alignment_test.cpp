@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kStates = MotionAlignment::kStates;
 using Step = Eigen::Matrix<double, kStates, 1>;
+constexpr double kExposure = 0.02;  // [s]
 
 class MotionAlignmentJacobian : public ::testing::TestWithParam<Exposure> {};
 INSTANTIATE_TEST_SUITE_P(BlurredRolling, MotionAlignmentJacobian,
@@ -22,11 +23,10 @@ INSTANTIATE_TEST_SUITE_P(BlurredRolling, MotionAlignmentJacobian,
 
 /// Keyframes whose motions are as expected.
 WindowState stateFor(Random& random, Exposure exposure) {
-  constexpr double kExposure = 0.02;  // [s]
   WindowState state = randomState(random, exposure);
   for (KeyframeState& keyframe : state.keyframes) {
     keyframe.velocity = keyframe.xi / kExposure;
-    keyframe.expected_xi = keyframe.xi;
+    keyframe.expected_velocity = keyframe.velocity;
     keyframe.outlier_energy = 1e9;
   }
   WindowLinearizer(smoothOptions(), true).placePixels(state, 0.75F);
@@ -96,7 +96,10 @@ struct Rendered {
       keyframe.T_linear = SE3::exp(place);
       keyframe.outlier_energy = 1e5;
       const bool newest = i + 1 == kKeyframes;
-      if (newest) keyframe.xi = keyframe.expected_xi = keyframe.image_xi = newest_xi;
+      if (newest) {
+        keyframe.xi = keyframe.image_xi = newest_xi;
+        keyframe.velocity = keyframe.expected_velocity = newest_xi / kExposure;
+      }
       keyframe.original = keyframe.sharp =
           pyramidOf(scene.renderBlurred(camera, keyframe.T_linear, keyframe.xi, newest ? 48 : 1), camera);
       state.keyframes.push_back(keyframe);
@@ -145,9 +148,8 @@ Errors errorsAfterAlignment(Random& random, bool expected_right) {
   Rendered rendered(longBlur());
   KeyframeState& newest = rendered.state.keyframes.back();
   newest.T_linear = newest.T_linear * SE3::exp(random.tangent(0.01, 0.004));
-  newest.xi += random.tangent(0.004, 0.004);
-  newest.image_xi = newest.xi;
-  if (!expected_right) newest.expected_xi = newest.xi;
+  newest.setMotion(newest.xi + random.tangent(0.004, 0.004));
+  if (!expected_right) newest.expected_velocity = newest.velocity;
   EXPECT_TRUE(alignNewest(rendered.state, ResidualOptions()));
   EXPECT_EQ(newest.image_xi, newest.xi);
   const KeyframeMotion found = rendered.newest();
@@ -174,8 +176,7 @@ KeyframeState asFrame(Rendered& rendered, Random& random) {
   rendered.state.keyframes.pop_back();
   for (PointState& point : rendered.state.points) point.residuals.clear();
   frame.image_xi.setZero();
-  frame.expected_xi = frame.xi;
-  frame.xi += random.tangent(0.004, 0.004);
+  frame.setMotion(frame.xi + random.tangent(0.004, 0.004));
   frame.T_linear = frame.T_linear * SE3::exp(random.tangent(0.01, 0.004));
   return frame;
 }

@@ -2,7 +2,6 @@
 #include <numeric>
 
 #include <gtest/gtest.h>
-#include <Eigen/Eigenvalues>
 
 #include "mba_vo/window/calibration_system.h"
 #include "mba_vo/window/window_linearizer.h"
@@ -212,18 +211,6 @@ TEST_P(WindowJacobian, OfTheVignetteIsThatOfALackingOne) {
     ++compared;
   }
   EXPECT_GT(compared, 5);
-}
-
-// Whether it finds what is lacking is tested on rendered sequences (odometry/calibration_test.cpp).
-TEST_P(WindowJacobian, CalibrationSystemIsThatOfASumOfSquares) {
-  Random random(29);
-  WindowState state = randomState(random, GetParam());
-  const WindowLinearizer linearizer(smoothOptions(), true);
-  linearizer.placePixels(state, 0.75F);
-  const CalibrationSystem system = linearizeCalibration(state, linearizer, 1);
-  EXPECT_LT((system.H - system.H.transpose()).norm(), 1e-6 * system.H.norm());
-  const Eigen::SelfAdjointEigenSolver<CalibrationCorrection::Matrix> eigen(system.H);
-  EXPECT_GT(eigen.eigenvalues().minCoeff(), -1e-6 * eigen.eigenvalues().maxCoeff());
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 #include "mba_vo/trajectory/pose_interpolation.h"
 #include "mba_vo/trajectory/trajectory_store.h"
 #include "mba_vo/window/calibration_estimator.h"
-#include "mba_vo/window/surface_slope.h"
+#include "mba_vo/depth_search/surface_slope.h"
 #include "mba_vo/window/window.h"
 
 namespace mba_vo {
@@ -104,7 +104,7 @@ class LocalMap {
   void selectImmaturePoints(HostKeyframe& host) const;
   void marginalizeKeyframes();
   void storePoses();
-  void refineCalibration();
+  void refineImaging();
   void keepForDisplay(KeyframeId keyframe);
   MapPoint displayPoint(const WindowPoint& point) const;
 

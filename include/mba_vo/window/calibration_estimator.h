@@ -7,7 +7,8 @@
 namespace mba_vo {
 
 /// Corrects the calibration where window after window agrees that it is wrong. A good calibration stays as it is: what
-/// the windows then say is small beside its uncertainty. The vignette comes first, and needs one window alone.
+/// the windows then say is small beside its uncertainty. The vignette comes first and needs one window alone; so may
+/// the row time.
 class CalibrationEstimator {
  public:
   enum class Vignette { kUnknown, kTold };  // kTold: nothing of it is left to be found
@@ -27,6 +28,7 @@ class CalibrationEstimator {
  private:
   CalibrationSystem withPrior() const;
   bool correctVignette();
+  bool correctRowTime();
   bool correctGeometry();
 
   Vignette vignette_;

@@ -3,9 +3,9 @@
 #include <optional>
 #include <vector>
 
-#include "mba_vo/window/nearby_depths.h"
+#include "mba_vo/depth_search/nearby_depths.h"
+#include "mba_vo/depth_search/surface_slope.h"
 #include "mba_vo/window/point_activation.h"
-#include "mba_vo/window/surface_slope.h"
 
 namespace mba_vo {
 

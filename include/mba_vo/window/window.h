@@ -147,8 +147,9 @@ class Window {
   /// The correction of the calibration that all images should have been made with; the window makes up for the
   /// difference.
   void setCorrection(const CalibrationCorrection& correction);
-  /// What the residuals say about errors that are left.
-  CalibrationSystem calibrationSystem();
+  /// Moves the velocities of keyframes whose rows were read one after the other to where the residuals want them.
+  /// Returns what else they say about how the images came about: errors left in the calibration.
+  CalibrationSystem refineRowMotions();
 
   /// Keyframes to marginalise now so that the window has room for a new one, see chooseKeyframesToMarginalize.
   std::vector<KeyframeId> keyframesToMarginalize() const;

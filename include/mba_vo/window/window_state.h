@@ -25,11 +25,11 @@ struct KeyframeState {
   std::shared_ptr<const ImagePyramid> sharp;
   std::shared_ptr<const ImagePyramid> original;
   Vector6 xi = Vector6::Zero();
-  Vector6 expected_xi = Vector6::Zero();  // by the motion before and after
-  Vector6 image_xi = Vector6::Zero();     // motion blur left in `sharp`, 0 = none [m, rad]
-  Vector6 velocity = Vector6::Zero();     // while the rows of a rolling shutter are read [m/s, rad/s]
-  CalibrationCorrection correction;       // of the calibration, that the images were made with
-  CalibrationCorrection lacking;          // what is to be added to it, as is known now
+  Vector6 image_xi = Vector6::Zero();  // motion blur left in `sharp`, 0 = none [m, rad]
+  Vector6 velocity = Vector6::Zero();  // while it is exposed, and the rows of a rolling shutter are read [m/s, rad/s]
+  Vector6 expected_velocity = Vector6::Zero();  // by the motion before and after
+  CalibrationCorrection correction;             // of the calibration, that the images were made with
+  CalibrationCorrection lacking;                // what is to be added to it, as is known now
   SE3 T_linear;
   AffineBrightness brightness_linear;
   Vector8 delta = Vector8::Zero();
@@ -39,8 +39,11 @@ struct KeyframeState {
   float precision = 1.0F;  // of residuals into it: one over their squared spread [1 / grey level^2]
 
   double exposure() const { return velocity.isZero(0.0) ? 0.0 : xi.norm() / velocity.norm(); }  // [s]
+  double readoutTime() const;  // from the first row to the last, as is known now [s]
   /// Sets xi, and what is known by it.
   void setMotion(const Vector6& motion);
+  /// Sets the velocity, and with it the motion within the exposure.
+  void setVelocity(const Vector6& moving);
   SE3 T_map_keyframe() const { return T_linear * SE3::exp(delta.head<6>()); }
   AffineBrightness brightness() const { return {brightness_linear.a + delta(6), brightness_linear.b + delta(7)}; }
 };

@@ -1,4 +1,4 @@
-#include "mba_vo/window/nearby_depths.h"
+#include "mba_vo/depth_search/nearby_depths.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "mba_vo/window/surface_slope.h"
+#include "mba_vo/depth_search/surface_slope.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "mba_vo/window/calibration_system.h"
+#include "mba_vo/window/window_linearizer.h"
+
+namespace mba_vo {
+
+/// What the bundle adjustment takes as given, how the images came about, as the residuals see it, all poses, depths and
+/// brightnesses eliminated; without the window's prior.
+struct ImagingSystem {
+  CalibrationSystem calibration;  // whatever the motions between the rows are
+  /// Gauss-Newton steps of the velocities of the keyframes, by age, while their rows are read [m/s, rad/s]. That by the
+  /// frames around is their prior. Empty with a global shutter.
+  std::vector<Vector6> velocity_steps;
+};
+
+/// From every `stride`-th point.
+ImagingSystem linearizeImaging(WindowState& state, const WindowLinearizer& linearizer, int stride);
+
+}  // namespace mba_vo
