@@ -10,11 +10,18 @@ namespace {
 
 constexpr double kRounding = 1e-6;  // of the stamps as written [s]
 
+/// An image that shows another one again was not to be tracked.
+std::vector<OnlineFrame> withoutRepeats(std::vector<OnlineFrame> frames) {
+  const auto repeats = [](const OnlineFrame& frame) { return frame.status == OnlineStatus::kRepeated; };
+  frames.erase(std::remove_if(frames.begin(), frames.end(), repeats), frames.end());
+  return frames;
+}
+
 double medianInterval(const std::vector<OnlineFrame>& frames) {
   std::vector<double> intervals;
   for (std::size_t i = 1; i < frames.size(); ++i) {
     const double interval = frames[i].time - frames[i - 1].time;
-    if (interval > 0.0) {  // clocks that begin anew and repeated images tell nothing
+    if (interval > 0.0) {  // clocks that begin anew tell nothing
       intervals.push_back(interval);
     }
   }
@@ -85,8 +92,12 @@ void measureInterruptions(const std::vector<OnlineFrame>& frames, const InTime& 
 
 }  // namespace
 
-Availability measureAvailability(const std::vector<OnlineFrame>& frames, std::optional<double> parallax_time) {
+Availability measureAvailability(const std::vector<OnlineFrame>& all, std::optional<double> parallax_time) {
   Availability availability;
+  for (const OnlineFrame& frame : all) {
+    ++availability.images_by_status[toString(frame.status)];
+  }
+  const std::vector<OnlineFrame> frames = withoutRepeats(all);
   availability.frame_interval = medianInterval(frames);
   const auto soon = [limit = availability.frame_interval + kRounding](const OnlineFrame& frame) {
     return frame.latency() <= limit;
@@ -110,9 +121,6 @@ Availability measureAvailability(const std::vector<OnlineFrame>& frames, std::op
   }
   measureInterruptions(frames, pose_in_time, availability);
   availability.latency = poseLatency(frames);
-  for (const OnlineFrame& frame : frames) {
-    ++availability.images_by_status[toString(frame.status)];
-  }
   return availability;
 }
 

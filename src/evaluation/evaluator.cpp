@@ -58,13 +58,15 @@ FrameDrops dropsAmongGroundtruth(const MatchedPoses& matched) {
 FrameDrops dropsAmongFrames(const std::vector<LoggedFrame>& frames, const std::vector<PoseRecord>& estimate) {
   // The trajectory of a run carries the very stamps of its frame log, up to the decimals written.
   constexpr double kStampTolerance = 1e-5;  // [s]
-  std::vector<PoseRecord> instants(frames.size());
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    instants[i].time = frames[i].time;
+  std::vector<PoseRecord> instants;
+  for (const LoggedFrame& frame : frames) {
+    if (frame.status == "REPEATED") continue;
+    instants.emplace_back();
+    instants.back().time = frame.time;
   }
   std::stable_sort(instants.begin(), instants.end(),
                    [](const PoseRecord& a, const PoseRecord& b) { return a.time < b.time; });
-  std::vector<bool> has_pose(frames.size(), false);
+  std::vector<bool> has_pose(instants.size(), false);
   for (const Association& pair : associateByTime(instants, estimate, kStampTolerance)) {
     has_pose[pair.groundtruth] = true;
   }

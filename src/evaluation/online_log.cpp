@@ -7,9 +7,9 @@
 namespace mba_vo {
 namespace {
 
-constexpr std::array<OnlineStatus, 7> kStatuses{
+constexpr std::array<OnlineStatus, 8> kStatuses{
     OnlineStatus::kTracking, OnlineStatus::kDegraded, OnlineStatus::kOrientation, OnlineStatus::kInitializing,
-    OnlineStatus::kLost,     OnlineStatus::kRejected, OnlineStatus::kShed};
+    OnlineStatus::kLost,     OnlineStatus::kRepeated, OnlineStatus::kRejected,    OnlineStatus::kShed};
 
 [[noreturn]] void fail(const std::string& where, const std::string& what) {
   throw std::runtime_error(where + ": " + what);
@@ -92,6 +92,8 @@ const char* toString(OnlineStatus status) {
       return "INITIALIZING";
     case OnlineStatus::kLost:
       return "LOST";
+    case OnlineStatus::kRepeated:
+      return "REPEATED";
     case OnlineStatus::kRejected:
       return "REJECTED";
     case OnlineStatus::kShed:

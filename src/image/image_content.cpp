@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 namespace mba_vo {
 namespace {
@@ -75,17 +74,6 @@ double contrast(const ImagePyramid& pyramid) {
     count += 1.0;
   }
   return count > 0.0 ? std::sqrt(std::max(0.0, squares / count - sum * sum / (count * count))) : 0.0;
-}
-
-bool isRepeated(const ImagePyramid& first, const ImagePyramid& second) {
-  if (first.levels() < 1 || second.levels() < 1) return false;
-  const cv::Mat1f& a = first.level(0).intensity;
-  const cv::Mat1f& b = second.level(0).intensity;
-  if (a.size() != b.size()) return false;
-  for (int y = 0; y < a.rows; ++y) {  // byte by byte, for NaN differs from itself
-    if (std::memcmp(a.ptr(y), b.ptr(y), static_cast<std::size_t>(a.cols) * sizeof(float)) != 0) return false;
-  }
-  return true;
 }
 
 }  // namespace mba_vo

@@ -7,10 +7,17 @@
 namespace mba_vo {
 namespace {
 
+constexpr std::string_view kRepeated = "REPEATED";
+
 void appendText(std::string& text, const std::string& more) {
   if (!more.empty()) {
     text += (text.empty() ? "" : "; ") + more;
   }
+}
+
+std::string_view statusWithoutResult(TrackerStep::Kind kind) {
+  if (kind == TrackerStep::Kind::kRepeated) return kRepeated;
+  return kind == TrackerStep::Kind::kShed ? "SHED" : "REJECTED";
 }
 
 void takeTracking(const TrackedFrame& tracked, FrameRecord& record) {
@@ -65,7 +72,7 @@ FrameRecord recordOf(const PublishedImage& image) {
     takeTracking(*tracked, record);
     takePublished(image, record);
   } else {
-    record.status = record.online_status = step.kind == TrackerStep::Kind::kShed ? "SHED" : "REJECTED";
+    record.status = record.online_status = statusWithoutResult(step.kind);
   }
   appendText(record.reason, step.reason);
   return record;
@@ -112,21 +119,23 @@ void RunLog::settle(const std::vector<TrajectoryEntry>& trajectory) {
 }
 
 FrameCounts countFrames(const std::vector<FrameRecord>& frames) {
-  const auto hasNoPose = [](const FrameRecord& frame) { return !frame.hasPose(); };
-  const auto first = std::find_if_not(frames.begin(), frames.end(), hasNoPose);
+  const auto hasPose = [](const FrameRecord& frame) { return frame.hasPose(); };
+  const auto isDropped = [](const FrameRecord& frame) { return !frame.hasPose() && frame.status != kRepeated; };
+  const auto first = std::find_if(frames.begin(), frames.end(), hasPose);
   std::set<MapId> maps, metric_maps;
   FrameCounts counts;
   counts.frames = frames.size();
   for (const FrameRecord& frame : frames) {
     counts.rejected += frame.status == "REJECTED" ? 1U : 0U;
+    counts.repeated += frame.status == kRepeated ? 1U : 0U;
     if (frame.hasPose()) {
       ++counts.tracked;
       maps.insert(*frame.map);
       if (frame.metric) metric_maps.insert(*frame.map);
     }
   }
-  counts.dropped = counts.frames - counts.tracked;
-  counts.dropped_after_initialization = static_cast<std::size_t>(std::count_if(first, frames.end(), hasNoPose));
+  counts.dropped = counts.frames - counts.tracked - counts.repeated;
+  counts.dropped_after_initialization = static_cast<std::size_t>(std::count_if(first, frames.end(), isDropped));
   counts.maps = maps.size();
   counts.metric_maps = metric_maps.size();
   return counts;

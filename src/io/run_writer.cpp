@@ -78,6 +78,7 @@ void writeSummary(const OfflineResult& result, const std::vector<std::pair<std::
   const FrameCounts counts = countFrames(result.log.frames());
   out << "frames: " << counts.frames << "\n";
   out << "tracked: " << counts.tracked << "\n";
+  out << "repeated: " << counts.repeated << "\n";
   out << "dropped: " << counts.dropped << "\n";
   out << "dropped_after_initialization: " << counts.dropped_after_initialization << "\n";
   out << "rejected: " << counts.rejected << "\n";

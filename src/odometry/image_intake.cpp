@@ -7,6 +7,9 @@
 namespace mba_vo {
 namespace {
 
+constexpr double kLongestRepeat = 0.15;  // [s] after which the camera may be anywhere,
+constexpr int kFewRepeats = 2;           // unless it is so slow that these last longer
+
 void append(std::string& text, const std::string& more) {
   if (!more.empty()) text += (text.empty() ? "" : "; ") + more;
 }
@@ -39,19 +42,47 @@ ImageIntake::Result ImageIntake::take(const CameraImage& image) {
   append(result.reason, verdict.reason);
   append(result.reason, image.problem);
   if (!verdict.accepted) return result;
+  const std::uint64_t images = image.sequence > last_sequence_ ? image.sequence - last_sequence_ : 1;
+  last_sequence_ = image.sequence;
+  const std::int64_t stamp_ns = stamps_.smooth(image.stamp_ns, images);
+  if (isRepeat(image)) {
+    result.repeats = original_.sequence;
+    append(result.reason, "repeats image " + std::to_string(original_.sequence));
+    if (!isFrozen(image.stamp_ns)) return result;
+  }
   adoptCorrected();
+  build(image, stamp_ns - image.stamp_ns, verdict.exposure, result);
+  return result;
+}
+
+bool ImageIntake::isRepeat(const CameraImage& image) {
+  if (repeats_.isRepeat(image.image)) {
+    ++original_.repeats;
+    return true;
+  }
+  original_ = {image.sequence, image.stamp_ns, 0};
+  return false;
+}
+
+bool ImageIntake::isFrozen(std::int64_t stamp_ns) const {
+  const double seconds = 1e-9 * static_cast<double>(stamp_ns - original_.stamp_ns);
+  return seconds > kLongestRepeat && original_.repeats > kFewRepeats;
+}
+
+void ImageIntake::build(const CameraImage& image, std::int64_t stamp_shift_ns, const std::optional<double>& exposure,
+                        Result& result) {
   const auto begin = std::chrono::steady_clock::now();
   try {
     // Without an exposure the stamp is all that is known.
-    const std::int64_t mid_exposure_ns = image.exposure && !verdict.exposure ? image.stamp_ns : image.mid_exposure_ns;
-    result.frame =
-        builder_->build(image.image, image.sequence, image.stamp_ns, mid_exposure_ns, verdict.exposure, image.depth);
+    const std::int64_t mid_exposure_ns = image.exposure && !exposure ? image.stamp_ns : image.mid_exposure_ns;
+    result.frame = builder_->build(image.image, image.sequence, image.stamp_ns, mid_exposure_ns + stamp_shift_ns,
+                                   exposure, image.depth);
   } catch (const std::invalid_argument& error) {
     result.reason = error.what();
     result.contradicts_calibration = true;
+    repeats_.reset();
   }
   result.build_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-  return result;
 }
 
 bool ImageIntake::correct(const CalibrationCorrection& correction) {
@@ -68,6 +99,8 @@ bool ImageIntake::correct(const CalibrationCorrection& correction) {
 
 void ImageIntake::reset() {
   guard_.reset();
+  stamps_.reset();
+  repeats_.reset();
   next_builder_ = {};
   correction_ = start_;
   if (builder_) builder_->correct(correction_);

@@ -117,6 +117,7 @@ void LiveSimulation::endTracking(OdometryResult& result) {
   for (const TrackerMessage& placed : step.placed) mapper_.addFrame(placed);
   switch (step.kind) {
     case TrackerStep::Kind::kImage:
+    case TrackerStep::Kind::kRepeated:
     case TrackerStep::Kind::kRejected:
     case TrackerStep::Kind::kShed:
       result.images.push_back({step, now_});

@@ -58,7 +58,7 @@ OdometryResult Odometry::processQueued(OdometryResult result) {
   while (tracker_.queuedJobs() > 0) {
     const std::optional<TrackerStep> step = trackerStep(false);
     if (step->began_anew) pending_.clear();
-    if (step->kind != TrackerStep::Kind::kImage && step->kind != TrackerStep::Kind::kRejected) continue;
+    if (!step->endsImage()) continue;
     result.images.push_back({*step, step->arrival});
     if (!step->message.tracked) continue;
     map(step->message, frames_, result);

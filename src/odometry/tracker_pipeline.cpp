@@ -4,6 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "mba_vo/odometry/tracking_results.h"
+
 namespace mba_vo {
 namespace {
 
@@ -113,7 +115,7 @@ TrackerStep TrackerPipeline::takeJob() {
 TrackerStep TrackerPipeline::takeFrame(const FrameConstPtr& frame) {
   late_since_image_ = false;
   TrackerStep step;
-  track(frame, step);
+  track(frame, false, step);
   return step;
 }
 
@@ -134,7 +136,9 @@ TrackerStep TrackerPipeline::takeImage(const QueuedImage& queued) {
   camera_frame_ = image.camera_frame;
   step.contradicts_calibration = taken.contradicts_calibration;
   if (taken.frame) {
-    track(taken.frame, step);
+    track(taken.frame, taken.repeats.has_value(), step);
+  } else if (taken.repeats) {
+    repeat(image, step);
   } else {
     step.kind = TrackerStep::Kind::kRejected;
     step.phase = loop_.phase();
@@ -142,13 +146,13 @@ TrackerStep TrackerPipeline::takeImage(const QueuedImage& queued) {
   return step;
 }
 
-void TrackerPipeline::track(const FrameConstPtr& frame, TrackerStep& step) {
+void TrackerPipeline::track(const FrameConstPtr& frame, bool frozen, TrackerStep& step) {
   step.kind = TrackerStep::Kind::kImage;
   step.sequence = frame->sequence;
   step.stamp_ns = frame->stamp_ns;
   step.mid_exposure_ns = frame->mid_exposure_ns;
   step.exposure = frame->exposure;
-  const TrackedFrameConstPtr tracked = loop_.process(frame, queue_.empty());
+  const TrackedFrameConstPtr tracked = loop_.process(frame, queue_.empty(), frozen);
   step.message = messageOf(tracked);
   step.phase = loop_.phase();
   step.T_odom_camera = loop_.T_odom_camera();
@@ -157,6 +161,20 @@ void TrackerPipeline::track(const FrameConstPtr& frame, TrackerStep& step) {
   if (tracked->status == TrackingStatus::kLost) {
     step.predicted_T_odom_camera = loop_.predicted_T_odom_camera(frame->mid_exposure_ns);
   }
+  last_ = step;
+}
+
+/// The image was exposed when the one that it repeats was, and the camera was there then.
+void TrackerPipeline::repeat(const CameraImage& image, TrackerStep& step) const {
+  step.kind = TrackerStep::Kind::kRepeated;
+  step.phase = loop_.phase();
+  if (!last_.message.tracked) return;
+  step.mid_exposure_ns = last_.mid_exposure_ns;
+  step.exposure = last_.exposure;
+  step.repeated = stampedAgain(*last_.message.tracked, image.sequence, image.stamp_ns);
+  step.T_odom_camera = last_.T_odom_camera;
+  step.T_map_odom = last_.T_map_odom;
+  step.covariance = last_.covariance;
 }
 
 TrackerStep TrackerPipeline::takeCalibration(const KnownCamera& camera) {
@@ -201,6 +219,7 @@ void TrackerPipeline::beginSession() {
   loop_.reset();
   covariance_.reset();
   pace_.reset();
+  last_ = {};
 }
 
 TrackerMessage TrackerPipeline::messageOf(const TrackedFrameConstPtr& tracked) const {

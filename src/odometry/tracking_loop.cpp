@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "mba_vo/image/image_content.h"
 #include "mba_vo/odometry/tracking_results.h"
 
 namespace mba_vo {
@@ -14,6 +15,8 @@ constexpr double kLongestRevision = 1.0;  // [s] of frames that are tracked once
 constexpr double kLongestJump = 24.0;     // [px] of the image from a tracked frame to the next, if any are left out
 constexpr double kUnknownVariance = 1e6;  // of a position that nothing has measured [m^2]
 constexpr const char* kNoMap = "no map yet";
+constexpr const char* kFrozen = "the image has been the same for too long: frozen";
+constexpr const char* kNoContent = "the image shows nothing: black, saturated, or the lens is covered";
 
 }  // namespace
 
@@ -24,17 +27,15 @@ TrackingLoop::TrackingLoop(const OdometryConfig& config)
       longest_wait_(config.mapper.initializer.buffer_seconds + kMapperTime),
       no_map_reason_(kNoMap) {}
 
-TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame, bool has_time) {
-  const std::string problem = image_check_.problemOf(frame);
-  if (!problem.empty()) return blind(frame, problem);
+TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame, bool has_time, bool frozen) {
+  if (!hasContent(frame->pyramid)) return blind(frame, kNoContent);
+  if (frozen) return blind(frame, kFrozen);
   if (phase_ == TrackingPhase::kRevising && !KeyframeScheduler::isBad(worst_need_)) leaveRevisions();
   if (phase_ == TrackingPhase::kRevising) {
     if (auto tracked = trackAhead(frame)) return tracked;
   }
   if (phase_ == TrackingPhase::kTracking || phase_ == TrackingPhase::kLost) {
-    const auto tracked = track({frame, true, false, false, {}});
-    if (image_check_.repeated()) degrade(*tracked, "the image repeats the one before");
-    return tracked;
+    return track({frame, true, false, false, {}});
   }
   return wait(frame, has_time);
 }
@@ -110,7 +111,6 @@ void TrackingLoop::reset() {
   interpolated_.clear();
   recent_.clear();
   no_map_reason_ = kNoMap;
-  image_check_.reset();
   scheduler_.meet();
   T_odom_first_.reset();
 }

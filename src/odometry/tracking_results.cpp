@@ -15,6 +15,15 @@ std::shared_ptr<TrackedFrame> untracked(const FrameConstPtr& frame, TrackingStat
   return tracked;
 }
 
+TrackedFrameConstPtr stampedAgain(const TrackedFrame& tracked, std::uint64_t sequence, std::int64_t stamp_ns) {
+  auto frame = std::make_shared<Frame>(*tracked.frame);
+  frame->sequence = sequence;
+  frame->stamp_ns = stamp_ns;
+  auto again = std::make_shared<TrackedFrame>(tracked);
+  again->frame = frame;
+  return again;
+}
+
 void degrade(TrackedFrame& tracked, const std::string& reason) {
   if (tracked.status != TrackingStatus::kTracking) return;
   tracked.status = TrackingStatus::kDegraded;

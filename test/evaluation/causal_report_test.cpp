@@ -158,6 +158,20 @@ TEST(CausalReport, ARunWithoutPosesIsStillJudged) {
   EXPECT_THAT(yamlOf(report), HasSubstr("    ate: {rmse: .nan"));
 }
 
+TEST(CausalReport, ImagesThatRepeatOthersDoNotCount) {
+  const TemporaryFolder folder;
+  std::vector<FrameRow> rows;
+  for (int i = 0; i < kImages; ++i) {
+    rows.push_back(publishedRow(0.05 * i, 0.01, "ORIENTATION"));
+    rows.push_back(silentRow(0.05 * i, "REPEATED"));
+  }
+  writeRunFolder(folder, {}, {}, rows, "");
+  const Availability availability = evaluate(folder).availability;
+  EXPECT_EQ(availability.orientation_in_time.of, static_cast<std::size_t>(kImages));
+  EXPECT_EQ(availability.orientation_in_time.count, static_cast<std::size_t>(kImages));
+  EXPECT_EQ(availability.images_by_status.at("REPEATED"), static_cast<std::size_t>(kImages));
+}
+
 TEST(CausalReport, DepthComesFromTheOptionTheSmoothedTrajectoryOrAGuess) {
   const TemporaryFolder folder;
   const std::vector<PoseRecord> poses = inOtherCoordinates(fromFirst(trueMotion()), kDepth);

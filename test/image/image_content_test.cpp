@@ -74,16 +74,5 @@ TEST(ImageContent, ContrastFollowsTheExposure) {
   EXPECT_EQ(contrast(ImagePyramid()), 0.0);
 }
 
-TEST(ImageContent, OnlyTheVerySameImageIsRepeated) {
-  cv::Mat1f image = noise(100.0, 5.0, 2);
-  image(0, 0) = std::nanf("");
-  const ImagePyramid first = pyramidOf(image);
-  EXPECT_TRUE(isRepeated(first, pyramidOf(image.clone())));
-  cv::Mat1f other = image.clone();
-  other(kHeight - 1, kWidth - 1) += 1.0F;
-  EXPECT_FALSE(isRepeated(first, pyramidOf(other)));
-  EXPECT_FALSE(isRepeated(first, pyramidOf(noise(100.0, 5.0, 3)(cv::Rect(0, 0, 160, 120)).clone())));
-}
-
 }  // namespace
 }  // namespace mba_vo

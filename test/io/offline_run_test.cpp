@@ -30,7 +30,13 @@ class FakeReader : public SequenceReader {
   }
   CameraImage& add(double time, std::optional<double> exposure) {
     const auto stamp = static_cast<std::int64_t>(std::llround(1e9 * time));
-    images_.push_back({images_.size(), stamp, stamp, exposure, cv::Mat(48, 64, CV_8UC1, cv::Scalar(90)), "", {}});
+    images_.push_back({images_.size(),
+                       stamp,
+                       stamp,
+                       exposure,
+                       cv::Mat(48, 64, CV_8UC1, cv::Scalar(50 + 10 * static_cast<double>(images_.size()))),
+                       "",
+                       {}});
     return images_.back();
   }
 

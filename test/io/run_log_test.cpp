@@ -179,5 +179,27 @@ TEST(RunLog, KeepsMessagesKeyframesAndRejectedImages) {
   EXPECT_EQ(countFrames(log.frames()).rejected, 1U);
 }
 
+TEST(RunLog, ARepeatedImageIsNeitherTrackedNorDropped) {
+  RunLog log;
+  log.add(resultOf(tracked(0, TrackingStatus::kTracking)));
+  PublishedImage again;
+  again.step.kind = TrackerStep::Kind::kRepeated;
+  again.step.sequence = 1;
+  again.step.reason = "repeats image 0";
+  log.add({{again}, {}, {}, 0.0});
+  log.settle({pose(0, 1)});
+  const FrameRecord& record = log.frames()[1];
+  EXPECT_EQ(record.status, "REPEATED");
+  EXPECT_EQ(record.online_status, "REPEATED");
+  EXPECT_EQ(record.reason, "repeats image 0");
+  EXPECT_FALSE(record.hasPose());
+  EXPECT_FALSE(record.online);
+  const FrameCounts counts = countFrames(log.frames());
+  EXPECT_EQ(counts.repeated, 1U);
+  EXPECT_EQ(counts.tracked, 1U);
+  EXPECT_EQ(counts.dropped, 0U);
+  EXPECT_EQ(counts.dropped_after_initialization, 0U);
+}
+
 }  // namespace
 }  // namespace mba_vo

@@ -163,6 +163,39 @@ TEST(TrackerPipeline, ImagesOfNoUseAreRejectedWithAReason) {
   EXPECT_TRUE(steps[2].contradicts_calibration);
 }
 
+TEST(TrackerPipeline, ARepeatedImageHasTheResultOfTheFirstUntilTheStreamIsFrozen) {
+  TrackerPipeline pipeline(pipelineConfig(), kSession);
+  begin(pipeline, 2);
+  std::vector<TrackerStep> steps;
+  for (int i = 1; i <= 6; ++i) {
+    CameraImage again = image(2);
+    again.sequence += static_cast<std::uint64_t>(i);
+    again.stamp_ns = again.mid_exposure_ns += 37000000LL * i;
+    pipeline.addImage(again);
+    for (const TrackerStep& step : drain(pipeline)) steps.push_back(step);
+  }
+  ASSERT_EQ(steps.size(), 6U);
+  for (int i = 0; i < 4; ++i) {
+    const TrackerStep& step = steps[static_cast<std::size_t>(i)];
+    EXPECT_EQ(step.kind, TrackerStep::Kind::kRepeated) << i;
+    EXPECT_EQ(step.message.tracked, nullptr);
+    ASSERT_NE(step.repeated, nullptr);
+    EXPECT_EQ(step.repeated->frame->stamp_ns, step.stamp_ns);
+    EXPECT_EQ(step.mid_exposure_ns, view(2).mid_exposure_ns);
+    EXPECT_LT(distance(step.T_map_odom * step.T_odom_camera, truth(0, 2)), kClose);
+    EXPECT_EQ(step.reason, "repeats image " + std::to_string(image(2).sequence));
+  }
+  for (std::size_t i = 4; i < 6; ++i) {
+    EXPECT_EQ(steps[i].kind, TrackerStep::Kind::kImage);
+    EXPECT_EQ(steps[i].message.tracked->status, TrackingStatus::kLost);
+    EXPECT_TRUE(steps[i].message.tracked->blind);
+  }
+  pipeline.requestReset();
+  drain(pipeline);
+  pipeline.addImage(image(3));
+  EXPECT_EQ(drain(pipeline).at(0).kind, TrackerStep::Kind::kImage);
+}
+
 TEST(TrackerPipeline, AClockThatBeginsAnewIsANewStart) {
   TrackerPipeline pipeline(pipelineConfig(), kSession);
   begin(pipeline, 3);

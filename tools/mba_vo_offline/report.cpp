@@ -7,9 +7,10 @@
 
 void printCounts(const mba_vo::OfflineResult& result) {
   const mba_vo::FrameCounts counts = mba_vo::countFrames(result.log.frames());
-  std::cout << counts.tracked << " of " << counts.frames << " frames tracked, " << counts.dropped_after_initialization
-            << " dropped after initialisation, " << counts.rejected << " rejected at the input, "
-            << result.log.keyframes().size() << " keyframes, " << counts.maps << " map(s), "
+  std::cout << counts.tracked << " of " << counts.frames << " frames tracked, " << counts.repeated << " repeat others, "
+            << counts.dropped_after_initialization << " dropped after initialisation, " << counts.rejected
+            << " rejected at the input, " << result.log.keyframes().size() << " keyframes, " << counts.maps
+            << " map(s), "
             << (counts.metric_maps == 0 ? "scale arbitrary" : std::to_string(counts.metric_maps) + " in metres") << ", "
             << result.times.total << " s\n";
   if (counts.tracked == 0) {

@@ -24,7 +24,7 @@ struct Latency {
 };
 
 /// How often, how soon and how steadily poses were published. In time: at most one frame interval after the image came
-/// in. An orientation alone is not a pose.
+/// in. An orientation alone is not a pose. Images that repeat others are counted by status, and nowhere else.
 struct Availability {
   double frame_interval = 0.0;  // median of the differences between image times [s]
   Share pose_in_time;           // of all images

@@ -10,7 +10,7 @@ namespace mba_vo {
 /// One input frame as listed in frames.csv of the odometry.
 struct LoggedFrame {
   double time = 0.0;   // mid-exposure [s]
-  std::string status;  // INITIALIZING, TRACKING, DEGRADED, LOST or REJECTED
+  std::string status;  // INITIALIZING, TRACKING, DEGRADED, LOST, REPEATED or REJECTED
 };
 
 /// The columns `time` and `status` of a frames.csv. Throws std::runtime_error naming file and line if malformed.

@@ -10,7 +10,7 @@
 namespace mba_vo {
 
 /// What was published first about an image.
-enum class OnlineStatus { kTracking, kDegraded, kOrientation, kInitializing, kLost, kRejected, kShed };
+enum class OnlineStatus { kTracking, kDegraded, kOrientation, kInitializing, kLost, kRepeated, kRejected, kShed };
 
 /// As written in frames.csv.
 const char* toString(OnlineStatus status);

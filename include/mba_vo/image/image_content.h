@@ -18,7 +18,4 @@ bool hasContent(const ImagePyramid& pyramid);
 /// Standard deviation of the intensity of a small version of the image [grey levels]; 0 if nothing is valid.
 double contrast(const ImagePyramid& pyramid);
 
-/// True if all pixels of the finest level are equal, noise included: no camera takes the same image twice.
-bool isRepeated(const ImagePyramid& first, const ImagePyramid& second);
-
 }  // namespace mba_vo

@@ -28,7 +28,8 @@ struct FrameRecord {
   std::int64_t stamp_ns = 0;         // as recorded [ns]
   std::int64_t mid_exposure_ns = 0;  // [ns]
   std::optional<double> exposure;    // given to the tracker [s]; nullopt = unknown
-  std::string_view status;  // a literal: TRACKING, DEGRADED: it has a pose; INITIALIZING, LOST, REJECTED: it has none
+  std::string_view status;  // a literal: TRACKING, DEGRADED: it has a pose; INITIALIZING, LOST, REJECTED: it has none;
+                            // REPEATED: that of another image
   std::string reason;
   std::string message;                  // of the mapper
   std::optional<MapId> map;             // of its pose
@@ -74,6 +75,7 @@ class RunLog {
 struct FrameCounts {
   std::size_t frames = 0;
   std::size_t tracked = 0;                       // have a pose in the final trajectory
+  std::size_t repeated = 0;                      // show an earlier image again, and have no pose of their own
   std::size_t dropped = 0;                       // have none
   std::size_t dropped_after_initialization = 0;  // after the first frame with a pose
   std::size_t rejected = 0;

@@ -1,26 +1,30 @@
 #pragma once
 
+#include <cstdint>
 #include <future>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "mba_vo/image/frame_builder.h"
+#include "mba_vo/image/repeat_detector.h"
 #include "mba_vo/odometry/camera_image.h"
 #include "mba_vo/odometry/input_guard.h"
+#include "mba_vo/odometry/stamp_smoother.h"
 
 namespace mba_vo {
 
-/// The door of the odometry: checks stamps and exposures of camera images and makes frames of them, with the
-/// calibration as it is known by now.
+/// The door of the odometry: checks stamps and exposures of camera images, tells those that are sent once more, and
+/// makes frames of the others, with the calibration as it is known by now.
 class ImageIntake {
  public:
   /// What became of an image.
   struct Result {
-    FrameConstPtr frame;                   // null if it is of no use
+    FrameConstPtr frame;                   // null if it is of no use, or repeats an image and not for too long
     std::string reason;                    // why it is not, or what is wrong with its exposure or depth; may be empty
     bool clock_restarted = false;          // its stamp is that of a new start: what went before is over
     bool contradicts_calibration = false;  // that is why it is of no use
+    std::optional<std::uint64_t> repeats;  // number of the image that it shows again: no measurement
     double build_ms = 0.0;                 // time taken to make the frame
   };
 
@@ -39,6 +43,17 @@ class ImageIntake {
   void reset();
 
  private:
+  /// The last image that repeated none.
+  struct Original {
+    std::uint64_t sequence = 0;
+    std::int64_t stamp_ns = 0;
+    int repeats = 0;
+  };
+
+  bool isRepeat(const CameraImage& image);
+  bool isFrozen(std::int64_t stamp_ns) const;
+  void build(const CameraImage& image, std::int64_t stamp_shift_ns, const std::optional<double>& exposure,
+             Result& result);
   std::unique_ptr<FrameBuilder> makeBuilder(const CalibrationCorrection& correction) const;
   void adoptCorrected();
 
@@ -51,6 +66,10 @@ class ImageIntake {
   CalibrationCorrection correction_;                         // that it makes images with, or next_builder_ will
   std::future<std::unique_ptr<FrameBuilder>> next_builder_;  // in the making
   InputGuard guard_;
+  StampSmoother stamps_;
+  RepeatDetector repeats_;
+  Original original_;
+  std::uint64_t last_sequence_ = 0;
 };
 
 }  // namespace mba_vo

@@ -23,6 +23,7 @@ struct TrackerStep {
   enum class Kind {
     kImage,     // an image has its result: the first one, that which is published
     kLate,      // a frame that had to wait, or is tracked once more, has another result
+    kRepeated,  // an image shows an earlier one again: it has the result of that one
     kRejected,  // an image is of no use
     kShed,      // an image has been left out because too many wait
     kReset,     // what went before has been forgotten
@@ -35,17 +36,21 @@ struct TrackerStep {
   double arrival = 0.0;              // when it came in, as it was told [s]
   std::optional<double> exposure;    // that it came with, if it can be true [s]
   bool exposure_from_topic = false;
-  std::string reason;                    // why it was rejected, or what is wrong with it; or why all was reset
+  std::string reason;                    // why it was rejected, what is wrong with it, or why all was reset
   bool contradicts_calibration = false;  // rejected because it is not of the calibration's size or kind
   bool began_anew = false;               // what went before has been forgotten first
   double build_ms = 0.0;                 // time taken to make a frame of the image
   std::vector<TrackerMessage> placed;  // further ones, for the mapper half, after `message`: frames that were left out
   TrackerMessage message;              // for the mapper half; without `tracked` there is none
+  TrackedFrameConstPtr repeated;  // of a repeated image: what was found for the earlier one, under the stamp of this
   TrackingPhase phase = TrackingPhase::kNoMap;  // afterwards
   SE3 T_odom_camera;                            // at mid-exposure, of an image with a pose
   SE3 T_map_odom;
   MotionCovariance covariance;                 // of an image with a pose or an orientation
   std::optional<SE3> predicted_T_odom_camera;  // of a lost image, as the camera last moved
+
+  /// It says what became of an image that came in.
+  bool endsImage() const { return kind == Kind::kImage || kind == Kind::kRepeated || kind == Kind::kRejected; }
 };
 
 struct TrackerPipelineConfig {
@@ -112,7 +117,8 @@ class TrackerPipeline {
   std::optional<TrackerStep> trackWaiting(bool may_hold);
   TrackerStep reset(const std::string& reason);
   void beginSession();
-  void track(const FrameConstPtr& frame, TrackerStep& step);
+  void track(const FrameConstPtr& frame, bool frozen, TrackerStep& step);
+  void repeat(const CameraImage& image, TrackerStep& step) const;
   TrackerMessage messageOf(const TrackedFrameConstPtr& tracked) const;
 
   BoundedQueue<Job> queue_;
@@ -124,6 +130,7 @@ class TrackerPipeline {
   TrackingLoop loop_;
   CatchUpPace pace_;
   OdometryCovariance covariance_;
+  TrackerStep last_;               // of the newest image that had a result of its own
   bool late_since_image_ = false;  // a waiting frame has been tracked since the last image
   std::uint64_t session_;
   std::string camera_frame_;  // of the newest image

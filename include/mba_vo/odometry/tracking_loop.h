@@ -8,7 +8,6 @@
 
 #include "mba_vo/odometry/config.h"
 #include "mba_vo/odometry/frame_tracking.h"
-#include "mba_vo/odometry/image_check.h"
 #include "mba_vo/odometry/keyframe_scheduler.h"
 #include "mba_vo/odometry/orientation_tracking.h"
 #include "mba_vo/odometry/recent_frames.h"
@@ -26,9 +25,8 @@ class TrackingLoop {
   TrackingPhase phase() const { return phase_; }
 
   /// Every frame gives exactly one result; never null. Without time to spare the orientation is not tracked while there
-  /// is no map.
-  TrackedFrameConstPtr process(const FrameConstPtr& frame, bool has_time = true);
-
+  /// is no map. `frozen`: the image has been the same for long, and the camera may be anywhere.
+  TrackedFrameConstPtr process(const FrameConstPtr& frame, bool has_time = true, bool frozen = false);
   /// Takes a newer snapshot; the prior is re-expressed through the poses that came with it. False if it is of no use.
   /// With another keyframe, frames that were lost, or saw the older one badly, and came after the new one's image, wait
   /// to be tracked once more; unless it may not go back, for want of time.
@@ -77,7 +75,6 @@ class TrackingLoop {
   FrameTracking frames_;
   OrientationTracking orientation_;  // while there is no map
   KeyframeScheduler scheduler_;
-  ImageCheck image_check_;
   double longest_wait_;  // [s]
   WaitingFrames waiting_;
   std::vector<FrameConstPtr> left_out_;             // after the last tracked frame

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -10,6 +11,9 @@ namespace mba_vo {
 
 /// The result for a frame without a pose.
 std::shared_ptr<TrackedFrame> untracked(const FrameConstPtr& frame, TrackingStatus status, const std::string& reason);
+
+/// The same result for an image that shows the same exposure again, under its number and stamp.
+TrackedFrameConstPtr stampedAgain(const TrackedFrame& tracked, std::uint64_t sequence, std::int64_t stamp_ns);
 
 /// Nothing that the tracker trusts, if there is this to be said against it.
 void degrade(TrackedFrame& tracked, const std::string& reason);

@@ -43,6 +43,10 @@ void MotionPublisher::publish(const MeasuredMotion& motion) {
   exposure_motion_.publish(exposure_motion);
 }
 
+void MotionPublisher::publishExposureMotion(const MeasuredMotion& motion) {
+  exposure_motion_.publish(makeExposureMotion(motion, frames_));
+}
+
 void MotionPublisher::publishPrediction(const MeasuredMotion& motion) {
   if (publish_tf_) {
     broadcaster_.sendTransform(transforms(motion));

@@ -17,6 +17,8 @@ class MotionPublisher {
   MotionPublisher(ros::NodeHandle& nh, const FrameNames& frames, bool publish_tf);
 
   void publish(const MeasuredMotion& motion);
+  /// Of a pose that has been published before, under the stamp of another image.
+  void publishExposureMotion(const MeasuredMotion& motion);
   /// A pose that was predicted is in TF alone: map -> odom -> base, where nothing was exposed that is known.
   void publishPrediction(const MeasuredMotion& motion);
 

@@ -34,6 +34,13 @@ void StatusReporter::imageRejected(std::int64_t stamp_ns, const std::string& rea
   publishLocked("image rejected: " + reason);
 }
 
+void StatusReporter::imageRepeated(std::int64_t stamp_ns, const std::string& reason) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++status_.frames_repeated;
+  status_.header.stamp = toRosTime(stamp_ns);
+  publishLocked(reason);
+}
+
 void StatusReporter::imageTracked(const TrackedFrame& tracked, const std::string& exposure_source, bool tf_predicted) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const std::uint8_t previous = status_.state;

@@ -116,6 +116,8 @@ bool TrackerWorker::step() {
   }
   if (step->kind == TrackerStep::Kind::kImage) {
     publishImage(*step);
+  } else if (step->kind == TrackerStep::Kind::kRepeated) {
+    publishRepeated(*step);
   } else if (step->kind == TrackerStep::Kind::kRejected) {
     ROS_WARN_STREAM_THROTTLE(kWarnPeriod, "image " << step->sequence << " rejected: " << step->reason);
     status_.imageRejected(step->stamp_ns, step->reason);
@@ -167,15 +169,24 @@ void TrackerWorker::publishImage(const TrackerStep& step) {
   status_.imageTracked(tracked, exposureSource(step), publishPrediction(step));
 }
 
+/// The pose goes to those who join it with images by their stamps; for all others it is no news.
+void TrackerWorker::publishRepeated(const TrackerStep& step) {
+  if (step.repeated && step.repeated->tracked()) {
+    motions_.publishExposureMotion(motionOf(step, step.repeated, step.T_odom_camera));
+  }
+  record(step);
+  status_.imageRepeated(step.stamp_ns, step.reason);
+}
+
 void TrackerWorker::publishMotion(const TrackerStep& step) {
-  motions_.publish(motionOf(step, step.T_odom_camera));
+  motions_.publish(motionOf(step, step.message.tracked, step.T_odom_camera));
   if (step.message.tracked->tracked()) last_measured_ns_ = step.mid_exposure_ns;
 }
 
 bool TrackerWorker::publishPrediction(const TrackerStep& step) {
   if (!step.predicted_T_odom_camera || !config_.publish_tf) return false;
   if (!(secondsSinceMeasured(*step.message.tracked->frame) < config_.tf_prediction)) return false;
-  motions_.publishPrediction(motionOf(step, *step.predicted_T_odom_camera));
+  motions_.publishPrediction(motionOf(step, step.message.tracked, *step.predicted_T_odom_camera));
   return true;
 }
 
@@ -199,9 +210,10 @@ void TrackerWorker::sayIfChanged(TrackingPhase phase) {
   if (phase == TrackingPhase::kTracking && before == TrackingPhase::kCatchingUp) ROS_INFO("caught up");
 }
 
-MeasuredMotion TrackerWorker::motionOf(const TrackerStep& step, const SE3& T_odom_camera) {
+MeasuredMotion TrackerWorker::motionOf(const TrackerStep& step, const TrackedFrameConstPtr& tracked,
+                                       const SE3& T_odom_camera) {
   MeasuredMotion motion;
-  motion.tracked = step.message.tracked;
+  motion.tracked = tracked;
   motion.T_odom_camera = T_odom_camera;
   motion.T_map_odom = step.T_map_odom;
   motion.T_base_camera = extrinsic_.T_base_camera();

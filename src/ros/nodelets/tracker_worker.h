@@ -37,11 +37,12 @@ class TrackerWorker {
   void forward(const TrackerMessage& message);
   void publishImage(const TrackerStep& step);
   void publishMotion(const TrackerStep& step);
+  void publishRepeated(const TrackerStep& step);
   /// False if the frame is not lost, or for too long, or TF is not to be predicted.
   bool publishPrediction(const TrackerStep& step);
   void record(const TrackerStep& step);
   void sayIfChanged(TrackingPhase phase);
-  MeasuredMotion motionOf(const TrackerStep& step, const SE3& T_odom_camera);
+  MeasuredMotion motionOf(const TrackerStep& step, const TrackedFrameConstPtr& tracked, const SE3& T_odom_camera);
   double secondsSinceMeasured(const Frame& frame) const;
   CameraImage convert(const InputImage& input) const;
 

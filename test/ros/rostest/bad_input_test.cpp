@@ -58,6 +58,13 @@ class BadInput : public testing::Test {
 
   void sendImage(std::int64_t stamp_ns, const std::string& encoding = "mono8", unsigned width = 160,
                  unsigned bytes_per_pixel = 1) {
+    grey_ += 3;  // no image repeats another
+    sendImageAgain(stamp_ns, encoding, width, bytes_per_pixel);
+  }
+
+  /// What the last one showed.
+  void sendImageAgain(std::int64_t stamp_ns, const std::string& encoding = "mono8", unsigned width = 160,
+                      unsigned bytes_per_pixel = 1) {
     // Handed over as a pointer, the message keeps its sequence number; serialised, it would be given the next one.
     const auto image = boost::make_shared<sensor_msgs::Image>();
     image->header.stamp = toRosTime(stamp_ns);
@@ -67,7 +74,7 @@ class BadInput : public testing::Test {
     image->width = width;
     image->height = 120;
     image->step = width * bytes_per_pixel;
-    image->data.assign(image->step * image->height, 100);
+    image->data.assign(image->step * image->height, grey_);
     images_.publish(sensor_msgs::ImageConstPtr(image));
     ++sent_;
   }
@@ -98,6 +105,7 @@ class BadInput : public testing::Test {
   std::unique_ptr<LiveOdometry> odometry_;
   std::uint64_t sent_ = 0;
   std::uint32_t sequence_ = 0;
+  std::uint8_t grey_ = 100;
 };
 
 TEST_F(BadInput, NoCalibration) {
@@ -161,6 +169,17 @@ TEST_F(BadInput, StampsThatRepeatOrGoBack) {
   EXPECT_EQ(odometry_->status().frames_rejected, 2U);
   EXPECT_EQ(odometry_->status().frames_initializing, 2U);
   EXPECT_EQ(odometry_->status().resets, 0U);
+}
+
+TEST_F(BadInput, AnImageOnceMoreUnderAnotherStamp) {
+  sendCameraInfo();
+  sendImage(stamp(0));
+  sendImageAgain(stamp(1));
+  sendImage(stamp(2));
+  ASSERT_TRUE(done());
+  EXPECT_TRUE(hasReason(stamp(1), "repeats image"));
+  EXPECT_EQ(odometry_->status().frames_repeated, 1U);
+  EXPECT_EQ(odometry_->status().frames_initializing, 2U);
 }
 
 TEST_F(BadInput, ClockThatStartsAnew) {

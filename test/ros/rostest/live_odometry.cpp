@@ -92,7 +92,7 @@ bool LiveOdometry::saveTrajectory() {
 
 std::uint64_t finishedImages(const Status& status) {
   return status.frames_tracked + status.frames_degraded + status.frames_initializing + status.frames_lost +
-         status.frames_rejected + status.frames_shed + status.frames_failed;
+         status.frames_repeated + status.frames_rejected + status.frames_shed + status.frames_failed;
 }
 
 bool playBag(const std::string& file, double rate) {
