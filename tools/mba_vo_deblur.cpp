@@ -19,6 +19,7 @@
 
 #include "geometry_source.h"
 #include "mba_vo/evaluation/image_quality.h"
+#include "mba_vo/image/white_level.h"
 #include "mba_vo/io/photometric_files.h"
 #include "mba_vo/io/sequence.h"
 #include "mba_vo/io/trajectory_writer.h"
@@ -98,6 +99,7 @@ class DeblurRun {
         builder_(blurred_->calibration(),
                  mba_vo::loadPhotometricCalibration(config.image.response_file, config.image.vignette_file),
                  config.image),
+        white_level_(config.image.white_level),
         deblurrer_(mba_vo::makeDeblurrer(config.mapper.deblur)),
         two_frames_(config.mapper.deblur.trajectory.frames > 1),
         geometry_(a.run.empty() ? mba_vo::trueGeometry(a.sequence) : mba_vo::estimatedGeometry(a.run)) {
@@ -133,7 +135,8 @@ class DeblurRun {
     if (records_.empty()) throw std::runtime_error("no image has a known motion");
   }
 
-  mba_vo::FrameConstPtr build(const mba_vo::CameraImage& image) const {
+  mba_vo::FrameConstPtr build(const mba_vo::CameraImage& image) {
+    builder_.setWhiteLevel(white_level_.of(image.image));
     return builder_.build(image.image, image.sequence, image.stamp_ns, image.mid_exposure_ns, image.exposure);
   }
 
@@ -249,6 +252,7 @@ class DeblurRun {
   std::unique_ptr<mba_vo::SequenceReader> blurred_;
   std::unique_ptr<mba_vo::SequenceReader> sharp_;
   mba_vo::FrameBuilder builder_;
+  mba_vo::WhiteLevel white_level_;
   std::unique_ptr<mba_vo::Deblurrer> deblurrer_;
   bool two_frames_;
   std::unique_ptr<mba_vo::GeometrySource> geometry_;

@@ -49,10 +49,10 @@ DeblurResult FolderDeblurrer::deblur(const DeblurInput& input) const {
                              std::to_string(level.intensity.rows));
   }
   cv::Mat1f sharp;
-  image.convertTo(sharp, CV_32F);
+  image.convertTo(sharp, CV_32F, level.gain);
   const cv::Mat valid = level.intensity == level.intensity;  // NaN differs from itself
   sharp.setTo(std::nanf(""), ~valid);
-  result.image = std::make_shared<const ImagePyramid>(sharp, level.camera, input.image->levels());
+  result.image = std::make_shared<const ImagePyramid>(sharp, level.camera, input.image->levels(), level.gain);
   result.sharpened = true;
   return result;
 }

@@ -54,7 +54,7 @@ LevelProblem::LevelProblem(const ImageLevel& level, const ExposureTrajectory& mo
                            float reach, float noise)
     : size_(level.intensity.size()),
       keyframe_({level.camera, level.camera, motion, motion.velocity}, depth, gridWithin(level.camera, reach),
-                level.intensity, noise, kSaturated) {}
+                level.intensity, noise, static_cast<float>(level.gain) * kSaturated) {}
 
 cv::Mat1f LevelProblem::blurredStart() const {
   const cv::Mat1f image = keyframe_.data().image(cv::Rect({0, 0}, size_));

@@ -96,10 +96,10 @@ class Places {
 };
 
 /// In the keyframe's grey levels.
-cv::Mat1f withBrightnessUndone(const cv::Mat1f& intensity, double gain, double offset) {
+cv::Mat1f withBrightnessUndone(const ImageLevel& level, double gain, double offset) {
   cv::Mat1f image;
-  intensity.convertTo(image, CV_32F, 1.0 / gain, -offset / gain);
-  image.setTo(kNoValue, intensity >= kSaturated);
+  level.intensity.convertTo(image, CV_32F, 1.0 / gain, -offset / gain);
+  image.setTo(kNoValue, level.intensity >= level.gain * static_cast<double>(kSaturated));
   return image;
 }
 
@@ -123,7 +123,7 @@ cv::Mat1f denseInverseDepth(const DeblurNeighbour& neighbour, const PinholeCamer
 
 cv::Mat1f overlay(const NeighbourLevel& neighbour, const cv::Mat1f& keyframe_depth, const cv::Mat1f& neighbour_depth) {
   const DeblurNeighbour& n = *neighbour.neighbour;
-  const cv::Mat1f image = withBrightnessUndone(n.image->level(neighbour.level).intensity, n.gain, n.offset);
+  const cv::Mat1f image = withBrightnessUndone(n.image->level(neighbour.level), n.gain, n.offset);
   const Places places(neighbour, keyframe_depth, neighbour_depth);
   cv::Mat1f result;
   // Eight taps a side: whatever damps fine detail here would be taken for blur.

@@ -105,14 +105,15 @@ DeblurResult OnnxDeblurrer::deblur(const DeblurInput& input) const {
   cv::copyMakeBorder(image, padded, 0, roundUp(image.rows, config_.multiple_of) - image.rows, 0,
                      roundUp(image.cols, config_.multiple_of) - image.cols, cv::BORDER_REFLECT_101);
   cv::Mat1f sharp = network_->run(padded)(cv::Rect(0, 0, image.cols, image.rows)).clone();
+  const float white = kWhite * static_cast<float>(level.gain);
   for (int y = 0; y < sharp.rows; ++y) {
     for (int x = 0; x < sharp.cols; ++x) {
       const float before = level.intensity(y, x);
-      sharp(y, x) = std::isfinite(before) ? std::clamp(sharp(y, x), 0.0F, std::max(kWhite, before)) : before;
+      sharp(y, x) = std::isfinite(before) ? std::clamp(sharp(y, x), 0.0F, std::max(white, before)) : before;
     }
   }
   DeblurResult result;
-  result.image = std::make_shared<const ImagePyramid>(sharp, level.camera, input.image->levels());
+  result.image = std::make_shared<const ImagePyramid>(sharp, level.camera, input.image->levels(), level.gain);
   result.sharpened = true;
   return result;
 }

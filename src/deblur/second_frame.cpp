@@ -8,8 +8,8 @@
 
 #include "mba_vo/deblur/alignment.h"
 #include "mba_vo/deblur/commuted_images.h"
-#include "mba_vo/deblur/image_noise.h"
 #include "mba_vo/deblur/neighbour_choice.h"
+#include "mba_vo/image/image_noise.h"
 
 namespace mba_vo {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "mba_vo/deblur/image_noise.h"
 #include "mba_vo/deblur/level_problem.h"
+#include "mba_vo/image/image_noise.h"
 #include "path_statistics.h"
 #include "second_frame.h"
 
@@ -23,12 +23,12 @@ DeblurResult leaveAs(DeblurResult result, const char* reason) {
 }
 
 /// Light is not negative, and no brighter than the camera can see. What is not valid stays so.
-void bound(const cv::Mat1f& input, cv::Mat1f& image) {
-  constexpr float kWhite = 255.0F;
+void bound(const ImageLevel& input, cv::Mat1f& image) {
+  const auto white = static_cast<float>(255.0 * input.gain);
   for (int y = 0; y < image.rows; ++y) {
     for (int x = 0; x < image.cols; ++x) {
-      const float before = input(y, x);
-      image(y, x) = std::isfinite(before) ? std::clamp(image(y, x), 0.0F, std::max(kWhite, before)) : before;
+      const float before = input.intensity(y, x);
+      image(y, x) = std::isfinite(before) ? std::clamp(image(y, x), 0.0F, std::max(white, before)) : before;
     }
   }
 }
@@ -124,8 +124,8 @@ DeblurResult TrajectoryDeblurrer::deblur(const DeblurInput& input) const {
     return leaveAs(std::move(result), "not like the input when blurred again");
   }
   cv::Mat1f sharp = solution.image();
-  bound(level.intensity, sharp);
-  result.image = std::make_shared<const ImagePyramid>(sharp, level.camera, input.image->levels());
+  bound(level, sharp);
+  result.image = std::make_shared<const ImagePyramid>(sharp, level.camera, input.image->levels(), level.gain);
   result.sharpened = true;
   return result;
 }

@@ -48,6 +48,7 @@ double rmsGradient(const ImageLevel& level, const std::vector<Eigen::Vector2d>& 
 bool hasContent(const ImagePyramid& pyramid) {
   if (pyramid.levels() < 1) return false;
   const cv::Mat1f& image = smallVersion(pyramid).intensity;
+  const double least = kLeastGradient * smallVersion(pyramid).gain;  // the noise has it too
   int steep = 0;
   int valid = 0;
   for (int y = 1; y + 1 < image.rows; ++y) {
@@ -55,10 +56,23 @@ bool hasContent(const ImagePyramid& pyramid) {
       const double square = squaredGradient(image, x, y);
       if (!std::isfinite(square)) continue;
       ++valid;
-      if (square > kLeastGradient * kLeastGradient) ++steep;
+      if (square > least * least) ++steep;
     }
   }
   return valid > 0 && steep > kLeastShare * valid;
+}
+
+double meanBrightness(const ImagePyramid& pyramid) {
+  if (pyramid.levels() < 1) return 0.0;
+  const ImageLevel& level = smallVersion(pyramid);
+  double sum = 0.0;
+  double count = 0.0;
+  for (const float pixel : level.intensity) {
+    if (!std::isfinite(pixel)) continue;
+    sum += static_cast<double>(pixel);
+    count += 1.0;
+  }
+  return count > 0.0 ? sum / (count * level.gain) : 0.0;
 }
 
 double contrast(const ImagePyramid& pyramid) {

@@ -23,7 +23,7 @@ cv::Mat1f halve(const cv::Mat1f& fine) {
 
 }  // namespace
 
-ImagePyramid::ImagePyramid(const cv::Mat1f& intensity, const PinholeCamera& camera, int levels) {
+ImagePyramid::ImagePyramid(const cv::Mat1f& intensity, const PinholeCamera& camera, int levels, double gain) {
   if (levels < 1) {
     throw std::invalid_argument("image pyramid: levels is " + std::to_string(levels) + ", must be at least 1");
   }
@@ -32,12 +32,12 @@ ImagePyramid::ImagePyramid(const cv::Mat1f& intensity, const PinholeCamera& came
                                 std::to_string(intensity.rows) + ", camera is " + std::to_string(camera.width) + "x" +
                                 std::to_string(camera.height));
   }
-  levels_.push_back({intensity, camera});
+  levels_.push_back({intensity, camera, gain});
   while (static_cast<int>(levels_.size()) < levels) {
     const ImageLevel& fine = levels_.back();
     const PinholeCamera half = fine.camera.halved();
     if (half.width < kSmallestSide || half.height < kSmallestSide) break;
-    levels_.push_back({halve(fine.intensity), half});
+    levels_.push_back({halve(fine.intensity), half, gain});
   }
 }
 

@@ -61,25 +61,45 @@ cv::Mat1f invertVignette(const cv::Mat1f& vignette, cv::Size size) {
   return inverse;
 }
 
-/// Linearises one pixel component. 16-bit values use the same curve, interpolated: 65535 / 257 = 255.
-float linearise(const std::array<float, 256>& linear, std::uint8_t value) { return linear[value]; }
-float linearise(const std::array<float, 256>& linear, std::uint16_t value) {
-  const int low = value / 257;
-  if (low == 255) return linear[255];
-  const float weight = static_cast<float>(value - 257 * low) * (1.0F / 257.0F);
-  const auto i = static_cast<std::size_t>(low);
-  return linear[i] + weight * (linear[i + 1] - linear[i]);
-}
+/// Linear grey levels of 8-bit components.
+class EightBit {
+ public:
+  using Component = std::uint8_t;
+  explicit EightBit(const std::array<float, 256>& linear) : linear_(linear) {}
+  float operator()(Component value) const { return linear_[value]; }
 
-template <typename Component>
-void lineariseRow(const std::array<float, 256>& linear, const Component* in, int channels, int width, float* out) {
+ private:
+  const std::array<float, 256>& linear_;
+};
+
+/// Of 16-bit components: the same curve, interpolated.
+class SixteenBit {
+ public:
+  using Component = std::uint16_t;
+  SixteenBit(const std::array<float, 256>& linear, double white_level)
+      : linear_(linear), scale_(static_cast<float>(255.0 / white_level)) {}
+  float operator()(Component value) const {
+    const float level = scale_ * static_cast<float>(value);
+    const auto i = static_cast<std::size_t>(level);
+    if (i >= 255) return linear_[255];
+    return linear_[i] + (level - static_cast<float>(i)) * (linear_[i + 1] - linear_[i]);
+  }
+
+ private:
+  const std::array<float, 256>& linear_;
+  float scale_;  // to grey levels
+};
+
+template <typename Lineariser>
+void lineariseRow(const Lineariser& linear, const cv::Mat& image, int row, float* out) {
+  const auto* in = image.ptr<typename Lineariser::Component>(row);
+  const int channels = image.channels();
   if (channels == 1) {
-    for (int x = 0; x < width; ++x) out[x] = linearise(linear, in[x]);
+    for (int x = 0; x < image.cols; ++x) out[x] = linear(in[x]);
     return;
   }
-  for (int x = 0; x < width; ++x, in += channels) {
-    out[x] =
-        kLuma[0] * linearise(linear, in[0]) + kLuma[1] * linearise(linear, in[1]) + kLuma[2] * linearise(linear, in[2]);
+  for (int x = 0; x < image.cols; ++x, in += channels) {
+    out[x] = kLuma[0] * linear(in[0]) + kLuma[1] * linear(in[1]) + kLuma[2] * linear(in[2]);
   }
 }
 
@@ -99,14 +119,16 @@ PhotometricCorrection::PhotometricCorrection(const PhotometricCalibration& calib
   if (!calibration.vignette.empty()) inverse_vignette_ = invertVignette(calibration.vignette, size);
 }
 
-cv::Mat1f PhotometricCorrection::apply(const cv::Mat& image) const {
+cv::Mat1f PhotometricCorrection::apply(const cv::Mat& image, double white_level) const {
   requireSupported(image);
+  const EightBit eight_bit(linear_);
+  const SixteenBit sixteen_bit(linear_, white_level);
   cv::Mat1f result(image.size());
   for (int y = 0; y < image.rows; ++y) {
     if (image.depth() == CV_8U) {
-      lineariseRow(linear_, image.ptr<std::uint8_t>(y), image.channels(), image.cols, result[y]);
+      lineariseRow(eight_bit, image, y, result[y]);
     } else {
-      lineariseRow(linear_, image.ptr<std::uint16_t>(y), image.channels(), image.cols, result[y]);
+      lineariseRow(sixteen_bit, image, y, result[y]);
     }
     if (inverse_vignette_.empty()) continue;
     float* const out = result[y];

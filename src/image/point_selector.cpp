@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gradient_candidates.h"
+#include "mba_vo/image/image_noise.h"
 
 namespace mba_vo {
 namespace {
@@ -18,6 +19,7 @@ constexpr int kMaxLevels = 3;             // of gradients: the finest and two co
 constexpr float kSmallestCell = 3.0F;     // [px]
 constexpr double kCountTolerance = 0.02;  // relative
 constexpr int kMaxRounds = 10;
+constexpr double kNoiseMargin = 3.5;  // of the gradient, per standard deviation of the noise: five of its own
 
 /// Direction along which the gradients of a cell are compared; spread over the half circle, different for neighbours.
 Eigen::Vector2f directionOfCell(int column, int row) {
@@ -159,7 +161,8 @@ std::vector<Eigen::Vector2i> selectPoints(const ImagePyramid& pyramid, int count
   const RegionMedians medians(finest.magnitude, allowed);
 
   CandidateLists candidates;
-  double margin = config.gradient_margin;
+  const double noise = static_cast<double>(estimateNoise(image));
+  double margin = std::max(config.gradient_margin, kNoiseMargin * noise);
   candidates.push_back(findCandidates(finest, 0, allowed, medians, static_cast<float>(margin)));
   for (int level = 1; level < std::min(pyramid.levels(), kMaxLevels); ++level) {
     margin *= config.coarse_margin_factor;

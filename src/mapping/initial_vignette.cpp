@@ -40,7 +40,8 @@ std::optional<float> brightnessAt(const ImageLevel& level, const Eigen::Vector2d
   const cv::Mat1f& I = level.intensity;
   const float value = (1.0F - fy) * ((1.0F - fx) * I(y, x) + fx * I(y, x + 1)) +
                       fy * ((1.0F - fx) * I(y + 1, x) + fx * I(y + 1, x + 1));
-  return value > kDarkest && value < kBrightest ? std::optional<float>(value) : std::nullopt;
+  const auto gain = static_cast<float>(level.gain);
+  return value > gain * kDarkest && value < gain * kBrightest ? std::optional<float>(value) : std::nullopt;
 }
 
 std::vector<Observation> observe(const InitialMap& initial, const InitialMap::Pose& pose) {

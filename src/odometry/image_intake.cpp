@@ -1,8 +1,12 @@
 #include "mba_vo/odometry/image_intake.h"
 
 #include <chrono>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
+
+#include "mba_vo/image/image_content.h"
+#include "mba_vo/image/image_noise.h"
 
 namespace mba_vo {
 namespace {
@@ -17,7 +21,10 @@ void append(std::string& text, const std::string& more) {
 }  // namespace
 
 ImageIntake::ImageIntake(const FrameBuilderConfig& config, PhotometricCalibration photometric, bool in_background)
-    : config_(config), photometric_(std::move(photometric)), in_background_(in_background) {}
+    : config_(config),
+      photometric_(std::move(photometric)),
+      in_background_(in_background),
+      white_level_(config.white_level) {}
 
 void ImageIntake::setCalibration(const CameraCalibration& calibration, const CalibrationCorrection& known) {
   calibration_ = calibration;
@@ -72,11 +79,11 @@ bool ImageIntake::isFrozen(std::int64_t stamp_ns) const {
 void ImageIntake::build(const CameraImage& image, std::int64_t stamp_shift_ns, const std::optional<double>& exposure,
                         Result& result) {
   const auto begin = std::chrono::steady_clock::now();
+  append(result.reason, adoptWhiteLevel(image.image));
   try {
     // Without an exposure the stamp is all that is known.
     const std::int64_t mid_exposure_ns = image.exposure && !exposure ? image.stamp_ns : image.mid_exposure_ns;
-    result.frame = builder_->build(image.image, image.sequence, image.stamp_ns, mid_exposure_ns + stamp_shift_ns,
-                                   exposure, image.depth);
+    result.frame = withGain(image, mid_exposure_ns + stamp_shift_ns, exposure);
   } catch (const std::invalid_argument& error) {
     result.reason = error.what();
     result.contradicts_calibration = true;
@@ -101,6 +108,8 @@ void ImageIntake::reset() {
   guard_.reset();
   stamps_.reset();
   repeats_.reset();
+  white_level_ = WhiteLevel(config_.white_level);
+  gain_ = {};
   next_builder_ = {};
   correction_ = start_;
   if (builder_) builder_->correct(correction_);
@@ -116,6 +125,32 @@ void ImageIntake::adoptCorrected() {
   if (next_builder_.valid() && next_builder_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     builder_ = next_builder_.get();
   }
+}
+
+/// What is found later does not change the brightness of images, unless they are too bright without.
+std::string ImageIntake::adoptWhiteLevel(const cv::Mat& image) {
+  const double before = white_level_.found();
+  const double now = white_level_.of(image);
+  builder_->setWhiteLevel(now);
+  if (before == 0.0 || now == before) return "";
+  gain_.makeUpFor(now / before);
+  std::ostringstream text;
+  text << "white is " << now << ", not " << before << " as the images so far said; image.white_level tells it at once";
+  return text.str();
+}
+
+FrameConstPtr ImageIntake::withGain(const CameraImage& image, std::int64_t mid_exposure_ns,
+                                    const std::optional<double>& exposure) {
+  const auto make = [&] {
+    builder_->setGain(gain_.value());
+    return builder_->build(image.image, image.sequence, image.stamp_ns, mid_exposure_ns, exposure, image.depth);
+  };
+  const FrameConstPtr frame = make();
+  const double mean = meanBrightness(frame->pyramid);
+  if (gain_.suits(mean)) return frame;
+  const ImageLevel& finest = frame->pyramid.level(0);
+  gain_.choose(mean, static_cast<double>(estimateNoise(finest.intensity)) / finest.gain);
+  return gain_.value() == finest.gain ? frame : make();
 }
 
 }  // namespace mba_vo

@@ -102,9 +102,12 @@ void AlignmentProblem::selectPatches(const AlignmentState& state) {
                 static_cast<double>(point.inverse_depth),
                 static_cast<double>(point.variance),
                 vignette_.at(point.pixel.cast<double>(), centre),
-                {}};
+                {},
+                0};
     commuted.read(frame_level_, centre, patch.inverse_depth, pattern_, static_cast<float>(options_.sample_spacing_px),
                   options_.max_samples, patch.intensity);
+    patch.pixels = static_cast<int>(std::count_if(patch.intensity.begin(), patch.intensity.begin() + pattern_.size,
+                                                  [](float value) { return !std::isnan(value); }));
     patches_.push_back(patch);
   }
   if (patches_.empty()) return;
@@ -178,7 +181,7 @@ void AlignmentProblem::addPatch(const Patch& patch, const PatchPathMaker& maker,
                                 QuadraticModel& model, Sums& sums) const {
   const int size = pattern_.size;
   const bool moving = options_.estimate_xi;
-  sums.expect(size);
+  sums.expect(patch.pixels);
   // A pixel that leaves the reference costs as much as one at the edge of being an outlier: leaving never pays.
   const double cost_of_leaving = loss_.cost(loss_.threshold());
   PatchPath path;

@@ -63,6 +63,41 @@ TEST(FrameBuilder, GreyWhateverTheEncoding) {
   }
 }
 
+TEST(FrameBuilder, SixteenBitImagesAreWhiteWhereTold) {
+  FrameBuilder builder(undistorted(), {}, {});
+  builder.setWhiteLevel(4080.0);
+  cv::Mat deep;
+  noiseImage().convertTo(deep, CV_16U, 16.0);
+  const FrameConstPtr frame = builder.build(deep, 0, 0, 0, 0.0);
+  for (int i = 0; i < 96; ++i) {
+    EXPECT_NEAR(frame->pyramid.level(0).intensity(i, i), static_cast<float>(noiseImage()(i, i)), 1e-3F);
+  }
+}
+
+TEST(FrameBuilder, OverexposedImagesKeepWhatIsNotSaturated) {
+  cv::Mat1b image(96, 128, std::uint8_t{100});
+  image(cv::Rect(0, 0, 40, 40)).setTo(255);
+  const ImagePyramid pyramid = FrameBuilder(undistorted(), {}, {}).build(image, 0, 0, 0, 0.0)->pyramid;
+  EXPECT_TRUE(std::isnan(pyramid.level(0).intensity(39, 39)));
+  EXPECT_EQ(pyramid.level(0).intensity(40, 40), 100.0F);
+  EXPECT_EQ(pyramid.level(1).intensity(10, 10), 255.0F);
+}
+
+TEST(FrameBuilder, LampsStayAsTheyAre) {
+  cv::Mat1b image(96, 128, std::uint8_t{100});
+  image(cv::Rect(0, 0, 10, 10)).setTo(255);
+  const FrameConstPtr frame = FrameBuilder(undistorted(), {}, {}).build(image, 0, 0, 0, 0.0);
+  EXPECT_EQ(frame->pyramid.level(0).intensity(5, 5), 255.0F);
+}
+
+TEST(FrameBuilder, TheGainMultipliesTheLight) {
+  FrameBuilder builder(undistorted(), {}, {});
+  builder.setGain(4.0);
+  const ImagePyramid pyramid = builder.build(cv::Mat1b(96, 128, std::uint8_t{20}), 0, 0, 0, 0.0)->pyramid;
+  EXPECT_EQ(pyramid.level(0).intensity(5, 5), 80.0F);
+  EXPECT_EQ(pyramid.level(pyramid.levels() - 1).gain, 4.0);
+}
+
 TEST(FrameBuilder, FramesDoNotShareTheInputsMemory) {
   const FrameBuilder builder(undistorted(), {}, {});
   cv::Mat1b image = noiseImage();

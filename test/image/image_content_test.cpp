@@ -11,14 +11,14 @@ namespace {
 constexpr int kWidth = 320;
 constexpr int kHeight = 240;
 
-ImagePyramid pyramidOf(const cv::Mat1f& image) {
+ImagePyramid pyramidOf(const cv::Mat1f& image, double gain = 1.0) {
   PinholeCamera camera;
   camera.width = image.cols;
   camera.height = image.rows;
   camera.fx = camera.fy = 300.0;
   camera.cx = 0.5 * image.cols;
   camera.cy = 0.5 * image.rows;
-  return {image, camera, 5};
+  return {image, camera, 5, gain};
 }
 
 cv::Mat1f filled(const std::function<double(int x, int y)>& value) {
@@ -63,6 +63,19 @@ TEST(ImageContent, BlackSaturatedAndCoveredImagesShowNothing) {
   EXPECT_TRUE(hasContent(pyramidOf(filled(waves))));
   // Eight times darker, it is the same scene.
   EXPECT_TRUE(hasContent(pyramidOf(filled([](int x, int y) { return waves(x, y) / 8.0; }))));
+}
+
+TEST(ImageContent, NoiseIsNoContentWhateverItsGain) {
+  EXPECT_FALSE(hasContent(pyramidOf(noise(48.0, 8.0, 1), 4.0)));
+  EXPECT_TRUE(hasContent(pyramidOf(filled(waves), 4.0)));
+}
+
+TEST(ImageContent, BrightnessIsThatBeforeTheGain) {
+  cv::Mat1f image(kHeight, kWidth, 90.0F);
+  EXPECT_NEAR(meanBrightness(pyramidOf(image, 2.0)), 45.0, 1e-3);
+  image(cv::Rect(0, 0, 160, kHeight)).setTo(std::nanf(""));
+  EXPECT_NEAR(meanBrightness(pyramidOf(image)), 90.0, 1e-3);
+  EXPECT_EQ(meanBrightness(ImagePyramid()), 0.0);
 }
 
 TEST(ImageContent, ContrastFollowsTheExposure) {

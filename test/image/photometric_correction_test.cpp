@@ -55,6 +55,13 @@ TEST(PhotometricCorrection, UndoesGamma) {
   expectIrradiance(correction.apply(photograph<std::uint16_t>(gammaEncode, 65535.0, false)), 0.02);
 }
 
+TEST(PhotometricCorrection, SixteenBitImagesAreWhiteWhereTold) {
+  const PhotometricCorrection correction({}, 2.2, kSize);
+  expectIrradiance(correction.apply(photograph<std::uint16_t>(gammaEncode, 4095.0, false), 4095.0), 0.1);
+  const cv::Mat1f beyond = correction.apply(cv::Mat1w(kSize, std::uint16_t{5000}), 4095.0);
+  EXPECT_EQ(beyond(0, 0), 255.0F);
+}
+
 TEST(PhotometricCorrection, UndoesResponseAndVignette) {
   PhotometricCalibration calibration;
   for (int i = 0; i < 256; ++i) {

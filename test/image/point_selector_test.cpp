@@ -50,6 +50,13 @@ TEST(PointSelector, DeliversTheNumberAskedFor) {
   }
 }
 
+TEST(PointSelector, NoiseIsNotTakenForTexture) {
+  const auto edge = [](int x, int) { return x < 320 ? 60.0 : 180.0; };
+  const std::vector<Eigen::Vector2i> points = selectPoints(makePyramid(edge, 8.0), 300, {});
+  ASSERT_FALSE(points.empty());
+  for (const Eigen::Vector2i& p : points) EXPECT_NEAR(p.x(), 319.5, 6.0);
+}
+
 TEST(PointSelector, SpreadsEvenly) {
   const std::vector<Eigen::Vector2i> points = selectPoints(makePyramid(texture), 1500, {});
   for (const int n : occupancy(points)) {

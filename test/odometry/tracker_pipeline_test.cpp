@@ -76,6 +76,31 @@ TEST(TrackerPipeline, EveryImageHasOneFirstResult) {
   EXPECT_EQ(pipeline.takeAdopted().size(), 1U);
 }
 
+TEST(TrackerPipeline, TracksOnWhereTheWhiteLevelIsFoundToBeHigher) {
+  TrackerPipeline pipeline(pipelineConfig(), kSession);
+  const auto deep = [](int index) {
+    CameraImage result = image(index);
+    result.image = cv::Mat();
+    image(index).image.convertTo(result.image, CV_16U, 4.0);
+    return result;
+  };
+  pipeline.setCalibration(roomConfig().calibration());
+  pipeline.addImage(deep(0));
+  drain(pipeline);
+  pipeline.addReference({kSession, makeReference(1, 0, 0, SE3(), 0)});
+  pipeline.addImage(deep(1));
+  EXPECT_EQ(drain(pipeline).back().reason, "");
+  CameraImage with_lamp = deep(2);
+  with_lamp.image.at<std::uint16_t>(1, 1) = 3000;
+  pipeline.addImage(with_lamp);
+  const std::vector<TrackerStep> steps = drain(pipeline);
+  ASSERT_EQ(steps.size(), 1U);
+  EXPECT_THAT(steps[0].reason, HasSubstr("white is 4095, not 1023"));
+  EXPECT_EQ(steps[0].message.tracked->status, TrackingStatus::kTracking);
+  EXPECT_NEAR(steps[0].message.tracked->brightness.a, 0.0, 0.05);
+  EXPECT_LT(distance(steps[0].T_map_odom * steps[0].T_odom_camera, truth(0, 2)), kClose);
+}
+
 TEST(TrackerPipeline, ImagesAndFramesThatWaitTakeTurnsWhileCatchingUp) {
   TrackerPipeline pipeline(pipelineConfig(), kSession);
   pipeline.setCalibration(roomConfig().calibration());

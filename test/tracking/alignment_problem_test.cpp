@@ -276,6 +276,19 @@ TEST(AlignmentProblem, TheHuberThresholdFollowsTheResidualsButNotTheOutliers) {
   }
 }
 
+TEST(AlignmentProblem, MaskedPixelsOfTheFrameAreNeitherUsedNorMissed) {
+  const SmoothScene scene = makeScene();
+  Frame masked = *scene.frame;
+  cv::Mat1f image = masked.pyramid.level(0).intensity.clone();
+  image(cv::Rect(0, 0, image.cols / 2, image.rows)).setTo(std::nanf(""));
+  masked.pyramid = ImagePyramid(image, masked.pyramid.level(0).camera, 1);
+  const AlignmentProblem problem(*scene.reference, scene.points, masked, 0, kPattern, smoothOptions(), std::nullopt,
+                                 {});
+  const AlignmentStatistics statistics = problem.linearize({}).statistics;
+  EXPECT_LT(statistics.pixels, 81 * problem.patches());
+  EXPECT_DOUBLE_EQ(statistics.inlier_fraction, 1.0);
+}
+
 TEST(AlignmentProblem, LeavingTheReferenceNeverPays) {
   // A pose that sees only a part of the reference may not be cheaper than the right one.
   SmoothScene scene = makeScene();

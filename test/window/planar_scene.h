@@ -46,12 +46,18 @@ class PlanarScene {
   }
 
   cv::Mat1f render(const PinholeCamera& camera, const SE3& T_world_camera) const {
+    return renderRolling(camera, T_world_camera, Vector6::Zero());
+  }
+
+  /// Every row at its time: the camera is at T_world_camera in the middle row and moves with this velocity [m/s,
+  /// rad/s].
+  cv::Mat1f renderRolling(const PinholeCamera& camera, const SE3& T_world_camera, const Vector6& velocity) const {
     cv::Mat1f image(camera.height, camera.width);
     for (int y = 0; y < camera.height; ++y) {
+      const SE3 T = T_world_camera * SE3::exp(camera.rowDelay(y) * velocity);
       for (int x = 0; x < camera.width; ++x) {
-        const Eigen::Vector3d ray = T_world_camera.rotation() * camera.unproject({x, y});
-        image(y, x) =
-            static_cast<float>(texture(T_world_camera.translation() + hit(T_world_camera.translation(), ray) * ray));
+        const Eigen::Vector3d ray = T.rotation() * camera.unproject({x, y});
+        image(y, x) = static_cast<float>(texture(T.translation() + hit(T.translation(), ray) * ray));
       }
     }
     return image;

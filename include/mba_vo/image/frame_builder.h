@@ -19,6 +19,7 @@ struct FrameBuilderConfig {
   std::string response_file;
   std::string vignette_file;
   std::string learnt_file;
+  double white_level = 0.0;
   double row_time = 0.0;
 
   template <typename Config, typename Visitor>
@@ -29,6 +30,9 @@ struct FrameBuilderConfig {
     v("vignette_file", c.vignette_file, "vignette image in TUM mono form, empty = none");
     v("learnt_file", c.learnt_file,
       "what runs learn of the camera is kept in this file, and the next run begins with it; empty = forgotten");
+    v("white_level", c.white_level, 0.0, 65535.0,
+      "value of a saturated pixel in 16-bit images [digital numbers], 0 = the lowest of 10, 12, 14 or 16 bits that "
+      "holds all");
     v("row_time", c.row_time, -1e-3, 1e-3, "rolling shutter: time from one row to the next [s], 0 = global shutter");
   }
 };
@@ -45,11 +49,17 @@ class FrameBuilder {
   /// From the next image on, the calibration is corrected so.
   void correct(const CalibrationCorrection& correction);
 
+  /// From the next image on, 16-bit images are white at this value [digital numbers].
+  void setWhiteLevel(double white_level);
+  /// From the next image on, intensities are multiplied by it.
+  void setGain(double gain);
+
   /// Camera of the rectified images. Only its row time changes with a correction.
   const PinholeCamera& camera() const;
 
-  /// `image`: 8- or 16-bit, 1, 3 (BGR) or 4 channels, of the calibration's size, else std::invalid_argument.
-  /// `depth`: of the same pixels [m], NaN = unknown, of the same size; empty = none. It must not be written any more.
+  /// `image`: 8- or 16-bit (white at 65535 unless told otherwise), 1, 3 (BGR) or 4 channels, of the calibration's size,
+  /// else std::invalid_argument. `depth`: of the same pixels [m], NaN = unknown, of the same size; empty = none. It
+  /// must not be written any more.
   FrameConstPtr build(const cv::Mat& image, std::uint64_t sequence, std::int64_t stamp_ns, std::int64_t mid_exposure_ns,
                       std::optional<double> exposure, const cv::Mat1f& depth = cv::Mat1f()) const;
 

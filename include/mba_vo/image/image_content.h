@@ -15,6 +15,9 @@ double rmsGradient(const ImageLevel& level, const std::vector<Eigen::Vector2d>& 
 /// False if the image shows nothing to go by: black, saturated, or the lens covered.
 bool hasContent(const ImagePyramid& pyramid);
 
+/// Mean intensity of a small version of the image, before its gain [grey levels]; 0 if nothing is valid.
+double meanBrightness(const ImagePyramid& pyramid);
+
 /// Standard deviation of the intensity of a small version of the image [grey levels]; 0 if nothing is valid.
 double contrast(const ImagePyramid& pyramid);
 

@@ -7,6 +7,8 @@
 
 namespace mba_vo {
 
+inline constexpr double kSixteenBitWhite = 65535.0;  // [digital numbers]
+
 /// Photometric calibration in TUM mono form: pixel = response(vignette(x) * irradiance).
 struct PhotometricCalibration {
   std::vector<double> inverse_response;  // 256 values, grey level -> irradiance; empty = use gamma
@@ -21,9 +23,9 @@ class PhotometricCorrection {
   /// that cannot be inverted or a vignette of another size than `size` or with values outside [0, 1].
   PhotometricCorrection(const PhotometricCalibration& calibration, double gamma, cv::Size size);
 
-  /// `image`: 8- or 16-bit (full range), 1, 3 (BGR) or 4 (BGRA) channels; else std::invalid_argument. Colours are mixed
-  /// to luma after linearisation, because light adds up in linear terms only.
-  cv::Mat1f apply(const cv::Mat& image) const;
+  /// `image`: 8-bit, or 16-bit and white at `white_level`, 1, 3 (BGR) or 4 (BGRA) channels; else std::invalid_argument.
+  /// Colours are mixed to luma after linearisation, because light adds up in linear terms only.
+  cv::Mat1f apply(const cv::Mat& image, double white_level = kSixteenBitWhite) const;
 
  private:
   std::array<float, 256> linear_;  // grey level -> linear grey level

@@ -10,7 +10,8 @@ namespace mba_vo {
 
 /// Pixels of the finest level with a high gradient compared with their surroundings, spread evenly: the image is cut in
 /// cells whose size is adapted until about `count` cells deliver a point; a cell's best pixel must exceed the
-/// gradient threshold of its region (median + `gradient_margin`, smoothed over neighbouring regions).
+/// gradient threshold of its region (median + `gradient_margin`, or more where noise would reach that, smoothed over
+/// neighbouring regions).
 /// Where 2x2 (or 4x4) cells in a row found nothing, one point is taken there if the gradient of the next (or second
 /// next) coarser level exceeds a lowered threshold, so that smooth shading and faint texture count too.
 /// Which pixel of a cell is best is judged by the gradient along a direction that changes from cell to cell, so that

@@ -6,8 +6,10 @@
 #include <optional>
 #include <string>
 
+#include "mba_vo/image/digital_gain.h"
 #include "mba_vo/image/frame_builder.h"
 #include "mba_vo/image/repeat_detector.h"
+#include "mba_vo/image/white_level.h"
 #include "mba_vo/odometry/camera_image.h"
 #include "mba_vo/odometry/input_guard.h"
 #include "mba_vo/odometry/stamp_smoother.h"
@@ -56,6 +58,10 @@ class ImageIntake {
              Result& result);
   std::unique_ptr<FrameBuilder> makeBuilder(const CalibrationCorrection& correction) const;
   void adoptCorrected();
+  /// Returns what is to be said of it; may be empty.
+  std::string adoptWhiteLevel(const cv::Mat& image);
+  /// Built with the gain that suits it.
+  FrameConstPtr withGain(const CameraImage& image, std::int64_t mid_exposure_ns, const std::optional<double>& exposure);
 
   FrameBuilderConfig config_;
   PhotometricCalibration photometric_;
@@ -70,6 +76,8 @@ class ImageIntake {
   RepeatDetector repeats_;
   Original original_;
   std::uint64_t last_sequence_ = 0;
+  WhiteLevel white_level_;
+  DigitalGain gain_;
 };
 
 }  // namespace mba_vo

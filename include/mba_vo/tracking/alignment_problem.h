@@ -97,6 +97,7 @@ class AlignmentProblem {
     double inverse_depth_variance;
     double gain;                                   // by the vignettes that the two images lack
     std::array<float, kMaxPatchPixels> intensity;  // of the frame, NaN where invalid
+    int pixels;                                    // that are valid in the frame
   };
   class Sums;
 

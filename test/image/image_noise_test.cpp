@@ -1,4 +1,4 @@
-#include "mba_vo/deblur/image_noise.h"
+#include "mba_vo/image/image_noise.h"
 
 #include <cmath>
 #include <limits>
