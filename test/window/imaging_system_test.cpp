@@ -85,16 +85,19 @@ struct RollingWindow {
     }
   }
 
-  /// Root mean square over the keyframes, of the turns [rad/s] and of the motions [m/s].
-  std::pair<double, double> errors() const {
-    double turns = 0.0;
-    double motions = 0.0;
+  /// By which wrong velocities move a point 2.4 m away, where the wall is, in the last row: root mean square over the
+  /// keyframes [px]. What all of them are off by in common hardly shows: rows of host and target are then off alike.
+  double error() const {
+    const PinholeCamera& camera = state.keyframes.front().original->level(0).camera;
+    const Eigen::Vector3d point(0.0, 0.0, 2.4);
+    Eigen::Matrix<double, 2, kKeyframes> all;
     for (int i = 0; i < kKeyframes; ++i) {
-      const Vector6 error = state.keyframe(i).velocity - truth[static_cast<std::size_t>(i)];
-      motions += error.head<3>().squaredNorm() / kKeyframes;
-      turns += error.tail<3>().squaredNorm() / kKeyframes;
+      const Vector6 wrong = state.keyframe(i).velocity - truth[static_cast<std::size_t>(i)];
+      const Eigen::Vector3d moved = wrong.head<3>() + wrong.tail<3>().cross(point);
+      all.col(i) = camera.rowDelay(camera.height - 1) * camera.fx * moved.head<2>() / point.z();
     }
-    return {std::sqrt(turns), std::sqrt(motions)};
+    all.colwise() -= all.rowwise().mean().eval();
+    return std::sqrt(all.squaredNorm() / kKeyframes);
   }
 
   void step() {
@@ -119,20 +122,16 @@ TEST(ImagingSystem, VelocitiesOfARollingShutterAreFound) {
     if (keyframe.id > 0) keyframe.T_linear = keyframe.T_linear * SE3::exp(random.tangent(5e-4, 5e-4));
   }
   for (PointState& point : window.state.points) point.inverse_depth *= 1.0 + random.uniform(-0.005, 0.005);
-  const auto [turns_before, motions_before] = window.errors();
+  const double before = window.error();
   for (int i = 0; i < 2; ++i) window.step();
-  const auto [turns, motions] = window.errors();
-  EXPECT_LT(turns, 0.25 * turns_before);
-  EXPECT_LT(motions, 0.75 * motions_before);
+  EXPECT_LT(window.error(), 0.45 * before);
 }
 
 TEST(ImagingSystem, RightVelocitiesStay) {
   Random random(8);
   RollingWindow window(random);
   window.step();
-  const auto [turns, motions] = window.errors();
-  EXPECT_LT(turns, 0.01);
-  EXPECT_LT(motions, 0.02);
+  EXPECT_LT(window.error(), 0.02);
 }
 
 }  // namespace
