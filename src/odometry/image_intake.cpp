@@ -145,7 +145,7 @@ FrameConstPtr ImageIntake::withGain(const CameraImage& image, std::int64_t mid_e
     builder_->setGain(gain_.value());
     return builder_->build(image.image, image.sequence, image.stamp_ns, mid_exposure_ns, exposure, image.depth);
   };
-  const FrameConstPtr frame = make();
+  FrameConstPtr frame = make();
   const double mean = meanBrightness(frame->pyramid);
   if (gain_.suits(mean)) return frame;
   const ImageLevel& finest = frame->pyramid.level(0);

@@ -143,11 +143,8 @@ const LoopState kLoopStates[] = {
      }},
     {"Frozen",
      [](TrackingLoop& loop) {
-       TrackedFrameConstPtr tracked;
-       for (int i = 8; i > 0; --i) {
-         const std::int64_t time = view(0).mid_exposure_ns - i * 50000000LL;
-         tracked = loop.process(makeFrame(toFloat(view(0).blurred), time, 0.02));
-       }
+       trackFrom(loop, 1, 3);
+       const TrackedFrameConstPtr tracked = loop.process(later(toFloat(view(3).blurred), 0.5), true, true);
        EXPECT_TRUE(tracked->blind);
      }},
     {"TrackingOnceMore",

@@ -41,6 +41,6 @@ struct Availability {
 
 /// `frames` in the order of the images, at least one; `parallax_time` [s]: when the camera had moved enough for a map
 /// to begin, nullopt if never.
-Availability measureAvailability(const std::vector<OnlineFrame>& frames, std::optional<double> parallax_time);
+Availability measureAvailability(const std::vector<OnlineFrame>& all, std::optional<double> parallax_time);
 
 }  // namespace mba_vo
