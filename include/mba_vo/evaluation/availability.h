@@ -39,7 +39,7 @@ struct Availability {
   std::map<std::string, std::size_t> images_by_status;  // by what was published first
 };
 
-/// `frames` in the order of the images, at least one; `parallax_time` [s]: when the camera had moved enough for a map
+/// `all` in the order of the images, at least one; `parallax_time` [s]: when the camera had moved enough for a map
 /// to begin, nullopt if never.
 Availability measureAvailability(const std::vector<OnlineFrame>& all, std::optional<double> parallax_time);
 
