@@ -8,12 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "mba_vo/depth_search/surface_slope.h"
 #include "mba_vo/mapping/keyframe_report.h"
 #include "mba_vo/mapping/mapper_config.h"
 #include "mba_vo/trajectory/pose_interpolation.h"
 #include "mba_vo/trajectory/trajectory_store.h"
 #include "mba_vo/window/calibration_estimator.h"
-#include "mba_vo/depth_search/surface_slope.h"
 #include "mba_vo/window/window.h"
 
 namespace mba_vo {
