@@ -84,3 +84,15 @@ print_median() {
   printf 'median of %-10s | %9.5f %26s%% %18s | %9.5f\n' "$name" "$(median "${online[@]}")" "$(median "${moving[@]}")" '' \
     "$(median "${smoothed[@]}")"
 }
+
+# run_starts NAME SEQUENCE [OPTION...]: as live, without so many of the first images as each of $starts says
+run_starts() {
+  local name=$1 sequence=$2 start runs=()
+  shift 2
+  # shellcheck disable=SC2154  # of the script
+  for start in "${starts[@]}"; do
+    runs+=("$name-$start")
+    run_and_print "${runs[-1]}" "$sequence" --live --skip "$start" "$@"
+  done
+  if [ ${#runs[@]} -gt 1 ]; then print_median "$name" "${runs[@]}"; fi
+}

@@ -83,11 +83,6 @@ done
 print_header
 for name in "${names[@]}"; do
   for sensor in "${sensors[@]}"; do
-    runs=()
-    for start in "${starts[@]}"; do
-      runs+=("${name}_$sensor-$start")
-      run_and_print "${runs[-1]}" "$output/sequences/${name}_$sensor" --live --skip "$start"
-    done
-    if [ ${#runs[@]} -gt 1 ]; then print_median "${name}_$sensor" "${runs[@]}"; fi
+    run_starts "${name}_$sensor" "$output/sequences/${name}_$sensor"
   done
 done

@@ -87,17 +87,6 @@ render() {
     >/dev/null
 }
 
-# run_all NAME SEQUENCE [OPTION...]: from all starts
-run_all() {
-  local name=$1 sequence=$2 start runs=()
-  shift 2
-  for start in "${starts[@]}"; do
-    runs+=("$name-$start")
-    run_and_print "${runs[-1]}" "$sequence" --live --skip "$start" "$@"
-  done
-  if [ ${#runs[@]} -gt 1 ]; then print_median "$name" "${runs[@]}"; fi
-}
-
 # run_again NAME SEQUENCE: started the second time, with what the run from the first image has learnt
 run_again() {
   local learnt=$output/$1.learnt.yaml config=$output/$1.config.yaml
@@ -122,7 +111,7 @@ for name in "${names[@]}"; do
   for camera in "${cameras[@]}"; do
     options=()
     if [ "$camera" = told ]; then options=(--row-time "$row_time"); fi
-    run_all "${name}_$camera" "$output/sequences/${name}_$camera" "${options[@]}"
+    run_starts "${name}_$camera" "$output/sequences/${name}_$camera" "${options[@]}"
     if [ "$camera" = webcam ]; then run_again "${name}_$camera" "$output/sequences/${name}_$camera"; fi
   done
 done

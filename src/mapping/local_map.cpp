@@ -14,15 +14,11 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kCalibrationKeyframes = 2;  // least number in a window that tells about the calibration
-constexpr int kCalibrationSteps = 3;      // at most, with one keyframe
-
-constexpr std::uint64_t kSlopeStride = 2;  // a point's slope is updated with every so many keyframes
-
-constexpr int kDeparturesPerReturn = 8;  // of keyframes, until the memory they leave is given back
-
-constexpr int kHostsSearched = 5;  // the newest: what an older one has not found by then is out of sight
-
+constexpr int kCalibrationKeyframes = 2;      // least number in a window that tells about the calibration
+constexpr int kCalibrationSteps = 3;          // at most, with one keyframe
+constexpr std::uint64_t kSlopeStride = 2;     // a point's slope is updated with every so many keyframes
+constexpr int kDeparturesPerReturn = 8;       // of keyframes, until the memory they leave is given back
+constexpr int kHostsSearched = 5;             // the newest: what an older one has not found by then is out of sight
 constexpr std::size_t kPointsPerSearch = 64;  // in one piece of parallel work
 
 using Clock = std::chrono::steady_clock;

@@ -16,11 +16,12 @@ constexpr double kDamping = 1e-6;         // relative; settles position, directi
 constexpr double kFirstKeyframe = 1e6;    // relative information of the first keyframe, which holds the map
 constexpr double kLeastDiagonal = 1e-9;   // keeps states without any information solvable
 // By which velocities by the frames around, 0.014-0.02 rad/s and 0.01 m/s off along recorded motions, move the first
-// and the last row [px]. With 0.04 or 1 instead the poses were 1.3 times as far off.
+// and the last row [px]. On hand_desk poses were 1.3 times as far off with 0.04 or 1 instead.
 constexpr double kExpectedError = 0.1;
 
-// Errors of a velocity stay with its keyframe through all the windows that share it. Along four recorded motions with a
-// rolling shutter and all told, steps that were taken for nothing had chi^2 of 13 to 23, where 12.6 counts.
+// Errors of a velocity stay with its keyframe through all the windows that share it. On two recorded motions
+// (hand_desk, hand_office) with a rolling shutter and all told, steps that were taken for nothing had chi^2 of 13 to
+// 23, where 12.6 counts; checked on two others (scripts/webcam.sh --cameras told).
 constexpr double kRollingEvidence = 0.5;
 
 /// Where the states are: those of the keyframes, then their velocities by the rows, then the correction.
