@@ -41,6 +41,13 @@ ImagePyramid::ImagePyramid(const cv::Mat1f& intensity, const PinholeCamera& came
   }
 }
 
+void ImagePyramid::addRowTime(double row_time) {
+  for (ImageLevel& level : levels_) {
+    level.camera.row_time += row_time;
+    row_time *= 2.0;
+  }
+}
+
 std::size_t ImagePyramid::bytes() const {
   std::size_t total = 0;
   for (const ImageLevel& level : levels_) total += level.intensity.total() * level.intensity.elemSize();

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "mba_vo/blur/row_motion.h"
 #include "mba_vo/initialization/initializer_buffer.h"
 #include "mba_vo/initialization/initializer_structure.h"
 #include "mba_vo/initialization/metric_start.h"
@@ -28,13 +29,37 @@ StructureProblem makeProblem(const InitializerBuffer& buffer, std::vector<std::s
   StructureProblem problem;
   problem.camera = buffer.images()[buffer.reference()].image->camera;
   problem.reference_pixels = buffer.tracker().corners();
+  const double reference_time = buffer.images()[buffer.reference()].image->frame->midExposureSeconds();
   for (std::size_t i = 0; i < buffer.images().size(); ++i) {
     const BufferedImage& entry = buffer.images()[i];
     if (i == buffer.reference() || !entry.tracks) continue;
-    problem.views.push_back({entry.tracks->pixel, entry.tracks->tracked, entry.log_sharpness});
+    const double time = entry.image->frame->midExposureSeconds() - reference_time;
+    problem.views.push_back({entry.tracks->pixel, entry.tracks->tracked, entry.log_sharpness, time});
     view_of.push_back(i);
   }
   return problem;
+}
+
+/// Velocity of the reference by the poses next to it [m/s, rad/s], in its axes.
+Vector6 velocityAmid(const std::vector<InitialMap::Pose>& poses, const Frame& reference) {
+  Vector6 before = Vector6::Zero(), after = Vector6::Zero();
+  double begin = 0.0, end = 0.0;  // [s]
+  for (const InitialMap::Pose& pose : poses) {
+    const double time = pose.frame->midExposureSeconds() - reference.midExposureSeconds();
+    if (time < 0.0 || end == 0.0) {
+      (time < 0.0 ? before : after) = pose.T_reference_frame.log();
+      (time < 0.0 ? begin : end) = time;
+    }
+  }
+  return end > begin ? Vector6((after - before) / (end - begin)) : Vector6::Zero();
+}
+
+/// What is at `inverse_depth` at mid-exposure, when the row of the pixel is exposed. `camera`: with its row time.
+double inverseDepthAtRow(const PinholeCamera& camera, const Vector6& velocity, const Eigen::Vector2d& pixel,
+                         double inverse_depth) {
+  const RigidMotion T_mid_row = shortMotion(velocity, camera.rowDelay(pixel.y()));
+  const double z_mid = (T_mid_row.R * camera.unproject(pixel)).z();  // of a point at the depth 1 in the row's axes
+  return z_mid * inverse_depth / (1.0 - inverse_depth * T_mid_row.p.z());
 }
 
 std::unique_ptr<InitialMap> makeMap(const InitializerBuffer& buffer, const std::vector<std::size_t>& view_of,
@@ -42,15 +67,20 @@ std::unique_ptr<InitialMap> makeMap(const InitializerBuffer& buffer, const std::
   auto map = std::make_unique<InitialMap>();
   const InitializerImage& reference = *buffer.images()[buffer.reference()].image;
   map->reference = reference.frame;
-  const std::vector<Eigen::Vector2d>& corners = buffer.tracker().corners();
-  for (std::size_t p = 0; p < corners.size(); ++p) {
-    if (!std::isfinite(estimate.variance[p])) continue;
-    map->points.push_back({reference.toLevel0(corners[p]).cast<float>(), static_cast<float>(estimate.inverse_depth[p]),
-                           static_cast<float>(estimate.variance[p])});
-  }
+  map->row_time = estimate.row_time / static_cast<double>(1 << reference.level);
   for (std::size_t v = 0; v < view_of.size(); ++v) {
     if (!estimate.T_view_reference[v]) continue;
     map->poses.push_back({buffer.images()[view_of[v]].image->frame, estimate.T_view_reference[v]->inverse()});
+  }
+  PinholeCamera camera = reference.camera;
+  camera.row_time += estimate.row_time;
+  const Vector6 velocity = velocityAmid(map->poses, *reference.frame);
+  const std::vector<Eigen::Vector2d>& corners = buffer.tracker().corners();
+  for (std::size_t p = 0; p < corners.size(); ++p) {
+    if (!std::isfinite(estimate.variance[p])) continue;
+    const double inverse_depth = inverseDepthAtRow(camera, velocity, corners[p], estimate.inverse_depth[p]);
+    map->points.push_back({reference.toLevel0(corners[p]).cast<float>(), static_cast<float>(inverse_depth),
+                           static_cast<float>(estimate.variance[p])});
   }
   return map;
 }
@@ -59,11 +89,12 @@ std::unique_ptr<InitialMap> makeMap(const InitializerBuffer& buffer, const std::
 
 class Initializer::Impl {
  public:
-  Impl(const InitializerConfig& config, const DepthSensorConfig& sensor)
+  Impl(const InitializerConfig& config, const DepthSensorConfig& sensor, bool find_row_time)
       : config_(config),
         buffer_(config.buffer_seconds, config.max_points),
         metric_(config.depth_wait, config.max_points, sensor) {
     structure_.min_parallax = config.min_parallax;
+    structure_.find_row_time = find_row_time;
   }
 
   std::unique_ptr<InitialMap> add(const FrameConstPtr& frame) {
@@ -160,8 +191,8 @@ class Initializer::Impl {
   double pending_parallax_ = 0.0;
 };
 
-Initializer::Initializer(const InitializerConfig& config, const DepthSensorConfig& sensor)
-    : impl_(std::make_unique<Impl>(config, sensor)) {}
+Initializer::Initializer(const InitializerConfig& config, const DepthSensorConfig& sensor, bool find_row_time)
+    : impl_(std::make_unique<Impl>(config, sensor, find_row_time)) {}
 Initializer::~Initializer() = default;
 
 std::unique_ptr<InitialMap> Initializer::add(const FrameConstPtr& frame) { return impl_->add(frame); }

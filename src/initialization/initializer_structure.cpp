@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "mba_vo/initialization/initializer_hypotheses.h"
+#include "mba_vo/initialization/initializer_rows.h"
 #include "mba_vo/initialization/initializer_views.h"
 
 namespace mba_vo {
@@ -20,6 +21,7 @@ constexpr double kClearWinner = 1.15;         // cost of the best different solu
 constexpr double kMinPositive = 0.9;          // share of the points that must lie in front of the reference
 constexpr double kValidationTolerance = 1.5;  // [px]
 constexpr double kMinExplained = 0.7;         // share of points of a held-out view, and of the held-out views
+constexpr double kRollingShutter = 0.9;       // cost with a row time over that without
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
@@ -154,37 +156,60 @@ std::string judge(const StructureEstimate& e, const StructureConfig& config, dou
   return "";
 }
 
-}  // namespace
-
-StructureEstimate estimateStructure(const StructureProblem& problem, const StructureConfig& config) {
+/// What a global shutter's tracks say.
+struct Solution {
   StructureEstimate estimate;
+  std::vector<std::size_t> bundle_views;
+  std::optional<Hypothesis> best;
+};
+
+Solution solve(const StructureProblem& problem, const StructureConfig& config) {
+  Solution solution;
+  StructureEstimate& estimate = solution.estimate;
   estimate.T_view_reference.resize(problem.views.size());
   const std::vector<ViewGeometry> geometry = analyseViews(problem, config);
   const ViewSplit split = splitViews(problem, geometry, config);
+  solution.bundle_views = split.bundle;
   if (split.bundle.size() < kMinViews - 2 || split.bundle.size() + split.held_out.size() < kMinViews) {
     estimate.reason = format("too few frames see the reference (%.0f, %.0f needed)",
                              static_cast<double>(split.bundle.size() + split.held_out.size()), kMinViews);
-    return estimate;
+    return solution;
   }
   estimate.rotation_residual = geometry[split.widest].rotation.median_residual;
   const double flow = estimate.rotation_residual / problem.camera.fx;
   if (flow < kRotationOnly * config.min_parallax) {
     estimate.reason = format("only rotation so far (it leaves %.2f px of flow unexplained, %.2f needed)",
                              estimate.rotation_residual, kRotationOnly * config.min_parallax * problem.camera.fx);
-    return estimate;
+    return solution;
   }
-  std::optional<Hypothesis> best = bestHypothesis(problem, geometry, split);
-  if (!best) {
+  solution.best = bestHypothesis(problem, geometry, split);
+  if (!solution.best) {
     estimate.reason = "no motion fits the tracks";
-    return estimate;
+    return solution;
   }
-  refine(best->bundle);
-  fillPoints(best->bundle, estimate);
-  fillMotion(split, best->bundle, estimate);
-  const bool validated = validate(problem, geometry, split, best->bundle, estimate);
-  estimate.reason = judge(estimate, config, shareInFront(best->bundle), best->runner_up_ratio, validated);
+  Bundle& bundle = solution.best->bundle;
+  refine(bundle);
+  fillPoints(bundle, estimate);
+  fillMotion(split, bundle, estimate);
+  const bool validated = validate(problem, geometry, split, bundle, estimate);
+  estimate.reason = judge(estimate, config, shareInFront(bundle), solution.best->runner_up_ratio, validated);
   estimate.accepted = estimate.reason.empty();
-  return estimate;
+  return solution;
+}
+
+}  // namespace
+
+StructureEstimate estimateStructure(const StructureProblem& problem, const StructureConfig& config) {
+  if (problem.camera.row_time != 0.0) {
+    return solve(withGlobalShutter(problem, problem.camera.row_time), config).estimate;
+  }
+  const Solution global = solve(problem, config);
+  if (!config.find_row_time || !global.best) return global.estimate;
+  const RowTimeFit rows = fitRowTime(problem, global.bundle_views, global.best->bundle);
+  if (rows.cost_ratio > kRollingShutter) return global.estimate;
+  StructureEstimate rolling = solve(withGlobalShutter(problem, rows.row_time), config).estimate;
+  rolling.row_time = rows.row_time;
+  return rolling;
 }
 
 }  // namespace mba_vo

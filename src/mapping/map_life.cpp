@@ -17,24 +17,36 @@ MapperOutput Mapper::Impl::initialize(const FrameConstPtr& frame) {
   // Frames that were tracked late come once more.
   if (newest_initializing_ns_ && frame->mid_exposure_ns <= *newest_initializing_ns_) return output;
   newest_initializing_ns_ = frame->mid_exposure_ns;
-  if (!calibration_) {
-    using Vignette = CalibrationEstimator::Vignette;
-    calibration_.emplace(frame->correction, config_.vignette_told ? Vignette::kTold : Vignette::kUnknown);
-  }
-  std::unique_ptr<InitialMap> initial = initializer_.add(frame);
+  if (!calibration_) beginCalibration(frame->correction);
+  std::unique_ptr<InitialMap> initial = initializer_.add(withRowTime(frame, calibration_->correction()));
   if (!initial) return saying(initializer_.reason());
   const Vector6 velocity = referenceVelocity(*initial);
   calibration_before_map_ = *calibration_;
+  initial_frames_ = initializer_.bufferedFrames();
+  if (initial->row_time != 0.0) adoptRowTime(*initial);
   if (config_.refine_calibration) calibration_->add(linearizeInitialVignette(*initial, calibration_->correction()));
   map_ =
       std::make_unique<LocalMap>(config_, next_map_id_++, *initial, velocity, LocalMap::Place(), store_, *calibration_);
   output.message = "map " + std::to_string(map_->id()) + " initialised with " + std::to_string(initial->points.size()) +
                    (initial->metric ? " measured points" : " points");
-  initial_frames_ = initializer_.bufferedFrames();
   reference_ = begin(std::move(initial), velocity);
   initializer_.reset();
   output.reference = reference_;
   return output;
+}
+
+void Mapper::Impl::beginCalibration(const CalibrationCorrection& known) {
+  using Vignette = CalibrationEstimator::Vignette;
+  calibration_.emplace(known, config_.vignette_told ? Vignette::kTold : Vignette::kUnknown);
+}
+
+void Mapper::Impl::adoptRowTime(InitialMap& initial) {
+  CalibrationCorrection correction = calibration_->correction();
+  correction.values(CalibrationCorrection::kRowTime) += initial.row_time;
+  beginCalibration(correction);
+  initial.reference = withRowTime(initial.reference, correction);
+  for (InitialMap::Pose& pose : initial.poses) pose.frame = withRowTime(pose.frame, correction);
+  for (FrameConstPtr& frame : initial_frames_) frame = withRowTime(frame, correction);
 }
 
 ReferenceConstPtr Mapper::Impl::begin(std::unique_ptr<InitialMap> initial, const Vector6& velocity) {

@@ -9,7 +9,7 @@ namespace mba_vo {
 Mapper::Impl::Impl(const MapperConfig& config, DraftCallback on_draft, std::shared_ptr<const Deblurrer> deblurrer)
     : config_(config),
       on_draft_(std::move(on_draft)),
-      initializer_(config.initializer, config.depth_sensor),
+      initializer_(config.initializer, config.depth_sensor, config.refine_calibration),
       selector_(config.keyframe),
       health_(config.health),
       recovery_(config),

@@ -52,6 +52,9 @@ class Mapper::Impl {
   std::shared_ptr<Reference> snapshot(ReferenceCause cause, KeyframeId keyframe, const std::string& doubt = {});
 
   MapperOutput initialize(const FrameConstPtr& frame);
+  void beginCalibration(const CalibrationCorrection& known);
+  /// What the first map says of the shutter: its frames are read so, and those that come will be.
+  void adoptRowTime(InitialMap& initial);
   /// The first reference, with a hint about the newest frame whose pose the initialiser knows: the tracker goes on from
   /// there. Those that came before are tracked, for the trajectory, when there is time.
   ReferenceConstPtr begin(std::unique_ptr<InitialMap> initial, const Vector6& velocity);

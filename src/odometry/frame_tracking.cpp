@@ -51,8 +51,13 @@ void FrameTracking::reset() {
   T_odom_reference_ = SE3();
 }
 
+FrameConstPtr FrameTracking::asKnownNow(const FrameConstPtr& frame) const {
+  const auto exposure = exposures_.exposureFor(frame->exposure, frame->mid_exposure_ns);
+  return withRowTime(withExposure(frame, exposure), reference_->correction);
+}
+
 std::shared_ptr<TrackedFrame> FrameTracking::track(const FrameConstPtr& given) {
-  const FrameConstPtr frame = withExposure(given, exposures_.exposureFor(given->exposure, given->mid_exposure_ns));
+  const FrameConstPtr frame = asKnownNow(given);
   const TrackingGuess guess = state_.guessFor(*frame, config_.unknown_exposure);
   auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
   tracked->exposure_estimate = exposures_.estimate(given->exposure.has_value(), given->mid_exposure_ns);
@@ -69,7 +74,7 @@ std::shared_ptr<TrackedFrame> FrameTracking::track(const FrameConstPtr& given) {
 }
 
 std::shared_ptr<TrackedFrame> FrameTracking::trackAhead(const FrameConstPtr& given, TrackingState& newest) {
-  const FrameConstPtr frame = withExposure(given, exposures_.exposureFor(given->exposure, given->mid_exposure_ns));
+  const FrameConstPtr frame = asKnownNow(given);
   const TrackingGuess guess = newest.guessFor(*frame, config_.unknown_exposure);
   auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
   judge_.judge(*tracked, false, secondsBetween(newest, *frame));

@@ -65,15 +65,22 @@ struct Scene {
   }
 };
 
-cv::Mat1f render(const Scene& scene, const SE3& T_world_camera) {
+/// `T_world_row`: pose of the camera when a row is exposed.
+template <typename PoseOfRow>
+cv::Mat1f renderRows(const Scene& scene, const PoseOfRow& T_world_row) {
   cv::Mat1f image(kCamera.height, kCamera.width);
   for (int y = 0; y < image.rows; ++y) {
+    const SE3 T_world_camera = T_world_row(y);
     for (int x = 0; x < image.cols; ++x) {
       const Eigen::Vector3d ray = T_world_camera.rotation() * kCamera.unproject({x, y});
       image(y, x) = static_cast<float>(scene.hit(T_world_camera.translation(), ray).grey);
     }
   }
   return image;
+}
+
+cv::Mat1f render(const Scene& scene, const SE3& T_world_camera) {
+  return renderRows(scene, [&](int) { return T_world_camera; });
 }
 
 /// A hand that shakes (rotates) and moves sideways by `translation` per second.
@@ -104,6 +111,13 @@ FrameConstPtr renderFrame(const Scene& scene, int index, double translation, int
   return makeFrame(index, sum, blur_samples > 1 ? kExposure : 0.0);
 }
 
+FrameConstPtr renderRollingFrame(const Scene& scene, int index, double translation, double row_time) {
+  PinholeCamera camera = kCamera;
+  camera.row_time = row_time;
+  const auto T_world_row = [&](int y) { return poseAt(kFrameInterval * index + camera.rowDelay(y), translation); };
+  return makeFrame(index, renderRows(scene, T_world_row), 0.0);
+}
+
 struct Outcome {
   std::unique_ptr<InitialMap> map;
   std::string reason;
@@ -122,14 +136,17 @@ Outcome run(const Scene& scene, double translation, int frames, int blur_samples
 }
 
 /// Depths within `tolerance` (median) and poses within 5 % of the way, after aligning the median depth.
-void expectTruth(const Scene& scene, double translation, const InitialMap& map, double tolerance) {
+void expectTruth(const Scene& scene, double translation, const InitialMap& map, double tolerance,
+                 double row_time = 0.0) {
   const SE3 T_world_reference = poseAt(map.reference->midExposureSeconds(), translation);
   std::vector<double> ratio;  // estimated inverse depth times true depth = true depth of the map's unit
   for (const ReferencePoint& point : map.points) {
     ASSERT_GT(point.inverse_depth, 0.0F);
     ASSERT_GT(point.variance, 0.0F);
-    const Eigen::Vector3d ray = T_world_reference.rotation() * kCamera.unproject(point.pixel.cast<double>());
-    ratio.push_back(point.inverse_depth * scene.hit(T_world_reference.translation(), ray).depth);
+    const double delay = (point.pixel.y() - 119.5) * row_time;
+    const SE3 T_world_row = poseAt(map.reference->midExposureSeconds() + delay, translation);
+    const Eigen::Vector3d ray = T_world_row.rotation() * kCamera.unproject(point.pixel.cast<double>());
+    ratio.push_back(point.inverse_depth * scene.hit(T_world_row.translation(), ray).depth);
   }
   ASSERT_GE(ratio.size(), 150U);
   std::sort(ratio.begin(), ratio.end());
@@ -170,6 +187,16 @@ TEST(Initializer, FindsAPlane) {
   const Outcome result = run(scene, 0.5, 40);
   ASSERT_TRUE(result.map) << result.reason;
   expectTruth(scene, 0.5, *result.map, 0.03);
+}
+
+TEST(Initializer, FindsARoomAndTheRowTimeOfARollingShutter) {
+  constexpr double kRowTime = 1e-4;  // [s]
+  Initializer initializer(InitializerConfig(), {}, true);
+  std::unique_ptr<InitialMap> map;
+  for (int i = 0; i < 40 && !map; ++i) map = initializer.add(renderRollingFrame(Scene(), i, 0.4, kRowTime));
+  ASSERT_TRUE(map) << initializer.reason();
+  EXPECT_NEAR(map->row_time, kRowTime, 0.05 * kRowTime);
+  expectTruth(Scene(), 0.4, *map, 0.02, kRowTime);
 }
 
 TEST(Initializer, MedianDepthIsOneAndPosesAreInOrder) {

@@ -32,4 +32,14 @@ inline FrameConstPtr withExposure(const FrameConstPtr& frame, const std::optiona
   return other;
 }
 
+/// The same frame with the row time of another correction; the image is shared, rows are but exposed at other times.
+inline FrameConstPtr withRowTime(const FrameConstPtr& frame, const CalibrationCorrection& correction) {
+  constexpr auto kRowTime = CalibrationCorrection::kRowTime;
+  if (frame->correction[kRowTime] == correction[kRowTime]) return frame;
+  auto other = std::make_shared<Frame>(*frame);
+  other->pyramid.addRowTime(correction[kRowTime] - frame->correction[kRowTime]);
+  other->correction.values(kRowTime) = correction[kRowTime];
+  return other;
+}
+
 }  // namespace mba_vo

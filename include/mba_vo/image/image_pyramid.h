@@ -29,6 +29,8 @@ class ImagePyramid {
   int levels() const { return static_cast<int>(levels_.size()); }
   const ImageLevel& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }
   std::size_t bytes() const;
+  /// To the camera's, of the finest level [s].
+  void addRowTime(double row_time);
 
  private:
   std::vector<ImageLevel> levels_;

@@ -36,15 +36,18 @@ struct InitialMap {
     SE3 T_reference_frame;  // at mid-exposure
   };
   FrameConstPtr reference;             // the sharpest frame of the buffer
-  std::vector<ReferencePoint> points;  // in the reference, all with positive inverse depth
+  std::vector<ReferencePoint> points;  // in the reference, at the times of their rows; inverse depths are positive
   std::vector<Pose> poses;             // of some or all buffered frames, the reference excluded, by time
   bool metric = false;                 // the points' depths were measured [m]
+  double row_time = 0.0;               // of a rolling shutter, found beyond that of the frames [s]
 };
 
 /// Collects frames until motion and structure can be told. Where they come with depth images, that is soon.
 class Initializer {
  public:
-  explicit Initializer(const InitializerConfig& config, const DepthSensorConfig& sensor = {});
+  /// `find_row_time`: of cameras that have none, as found; else they have a global shutter.
+  explicit Initializer(const InitializerConfig& config, const DepthSensorConfig& sensor = {},
+                       bool find_row_time = false);
   ~Initializer();
 
   /// Adds a frame (increasing time; a frame that is not later than the last, or much later, or of another camera,

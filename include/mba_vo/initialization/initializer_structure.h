@@ -13,6 +13,7 @@ struct StructureView {
   std::vector<Eigen::Vector2d> pixel;  // by point [px]
   std::vector<char> tracked;           // by point
   double log_sharpness = 0.0;          // relative to the other views
+  double time = 0.0;                   // mid-exposure, since that of the reference [s]
 };
 
 /// Tracks from which structure and motion are estimated.
@@ -28,6 +29,7 @@ struct StructureConfig {
   double min_visible = 0.3;    // share of the points tracked in a view that takes part
   std::size_t max_bundle_views = 12;
   double max_relative_depth_sigma = 0.1;  // median over the points
+  bool find_row_time = false;             // if the camera has none
 };
 
 /// Structure and motion, or why there are none. Scale: median inverse depth = 1.
@@ -43,6 +45,7 @@ struct StructureEstimate {
   double validation_error = 0.0;      // median in the views that did not [px]
   double relative_depth_sigma = 0.0;  // median of sigma(w)/w
   int points = 0;                     // with finite variance
+  double row_time = 0.0;              // that was found, on top of the camera's [s]
 };
 
 /// Bundle adjustment over the best views from several starts (essential matrix, homography, depth reversed), which must

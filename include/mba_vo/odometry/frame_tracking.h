@@ -60,6 +60,8 @@ class FrameTracking {
   SE3 T_map_odom() const;
 
  private:
+  /// With the exposure and the row time that are known by now.
+  FrameConstPtr asKnownNow(const FrameConstPtr& frame) const;
   /// Through the poses that came with the new snapshot: map coordinates of different moments do not mix.
   SE3 T_newReference_oldReference(const Reference& next) const;
 
