@@ -1,11 +1,13 @@
 #include <utility>
 
 #include "mapper_impl.h"
+#include "mba_vo/mapping/initial_frames.h"
 #include "mba_vo/mapping/initial_vignette.h"
 
 namespace mba_vo {
 namespace {
 
+constexpr double kLeastNeed = 0.5;      // of a second keyframe, where 1 asks for one at any other time
 constexpr int kFramesUntilResend = 15;  // the first reference may still be on its way for a while
 
 MapperOutput saying(const std::string& message) { return {nullptr, std::nullopt, std::nullopt, message}; }
@@ -29,7 +31,7 @@ MapperOutput Mapper::Impl::initialize(const FrameConstPtr& frame) {
       std::make_unique<LocalMap>(config_, next_map_id_++, *initial, velocity, LocalMap::Place(), store_, *calibration_);
   output.message = "map " + std::to_string(map_->id()) + " initialised with " + std::to_string(initial->points.size()) +
                    (initial->metric ? " measured points" : " points");
-  reference_ = begin(std::move(initial), velocity);
+  output.keyframe = begin(std::move(initial), velocity);
   initializer_.reset();
   output.reference = reference_;
   return output;
@@ -49,21 +51,40 @@ void Mapper::Impl::adoptRowTime(InitialMap& initial) {
   for (FrameConstPtr& frame : initial_frames_) frame = withRowTime(frame, correction);
 }
 
-ReferenceConstPtr Mapper::Impl::begin(std::unique_ptr<InitialMap> initial, const Vector6& velocity) {
+std::optional<KeyframeReport> Mapper::Impl::begin(std::unique_ptr<InitialMap> initial, const Vector6& velocity) {
   const FrameConstPtr frame = initial->reference;
   first_keyframe_ns_ = frame->mid_exposure_ns;
   const ExposureTrajectory start{SE3(), velocity, frame->exposure.value_or(config_.tracker.unknown_exposure)};
-  const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kMapBegins, map_->newestKeyframe());
-  reference->hint = newestOf(*initial, start);
-  reference_ = reference;
-  integrate(referenceItself(*reference, frame, start), true);
-  last_ = *reference->hint;
-  selector_.restart(last_.mid_exposure_ns, reference->T_map_reference * last_.trajectory.T_reference_mid);
-  deferred_.begin(std::move(initial), MotionState(start, frame->mid_exposure_ns), initial_frames_,
-                  last_.mid_exposure_ns, reference_);
+  const KeyframeId first = map_->newestKeyframe();
+  reference_ = snapshot(ReferenceCause::kMapBegins, first);
+  integrate(referenceItself(*reference_, frame, start), true);
   recovery_.keep(*reference_, *frame, *map_);
   deblur(frame);
-  return reference;
+  const std::optional<KeyframeReport> second = goAlong(*initial);
+  last_ = newestOf(*initial, start);
+  const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kMapBegins, map_->newestKeyframe());
+  last_.trajectory.T_reference_mid = reference->T_map_reference.inverse() * store_.T_map_keyframe(map_->id(), first) *
+                                     last_.trajectory.T_reference_mid;
+  last_keyframe_ = reference->id.keyframe_id;
+  reference->hint = last_;
+  reference_ = reference;
+  selector_.restart(last_.mid_exposure_ns, reference->T_map_reference * last_.trajectory.T_reference_mid);
+  deferred_.begin(std::move(initial), MotionState(start, frame->mid_exposure_ns), initial_frames_,
+                  last_.mid_exposure_ns, map_->makeReference(first));
+  return second;
+}
+
+std::optional<KeyframeReport> Mapper::Impl::goAlong(const InitialMap& initial) {
+  const std::vector<InitialFrame> frames = trackInitialFrames(config_, initial, *reference_);
+  for (const InitialFrame& frame : frames) map_->searchDepths(*frame.tracked);
+  if (frames.empty()) return std::nullopt;
+  const TrackedFrameConstPtr& newest = frames.back().tracked;
+  const KeyframePolicy policy(config_.keyframe);
+  if (policy.need(*reference_, newest->measures, newest->brightness) < kLeastNeed) return std::nullopt;
+  store_.addFrame(*newest);
+  KeyframeReport report = map_->insertKeyframe(*newest, frames.back().velocity);
+  complete(report, newest);
+  return report;
 }
 
 MapperOutput Mapper::Impl::giveUp(MapperOutput output) {

@@ -71,6 +71,11 @@ std::optional<KeyframeReport> Mapper::Impl::integrate(const TrackedFrameConstPtr
 KeyframeReport Mapper::Impl::insertKeyframe(const TrackedFrameConstPtr& chosen) {
   KeyframeReport report = map_->insertKeyframe(*chosen, selector_.velocity());
   if (on_draft_) on_draft_(snapshot(ReferenceCause::kKeyframe, map_->newestKeyframe(), health_.doubt()));
+  complete(report, chosen);
+  return report;
+}
+
+void Mapper::Impl::complete(KeyframeReport& report, const TrackedFrameConstPtr& chosen) {
   map_->refineWindow(report);
   const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kKeyframe, map_->newestKeyframe());
   report.error_px = keyframeError(report.rms, *reference);
@@ -82,7 +87,6 @@ KeyframeReport Mapper::Impl::insertKeyframe(const TrackedFrameConstPtr& chosen) 
   deblur(chosen->frame, chosen->trajectory.acceleration, chosen->trajectory.velocity);
   store_.makeKeyframe(*chosen, reference_->id.map_id, reference_->id.keyframe_id);
   deferred_.update(*map_);
-  return report;
 }
 
 MapperOutput Mapper::Impl::withKeyframe(MapperOutput output) {

@@ -43,6 +43,8 @@ class Mapper::Impl {
   void takeSharpKeyframe(MapperOutput& output);
   std::optional<KeyframeReport> integrate(const TrackedFrameConstPtr& frame, bool has_time);
   KeyframeReport insertKeyframe(const TrackedFrameConstPtr& chosen);
+  /// Optimises with it.
+  void complete(KeyframeReport& report, const TrackedFrameConstPtr& chosen);
   /// After a keyframe has been inserted.
   MapperOutput withKeyframe(MapperOutput output);
   /// The newest keyframe, made of this frame.
@@ -57,7 +59,9 @@ class Mapper::Impl {
   void adoptRowTime(InitialMap& initial);
   /// The first reference, with a hint about the newest frame whose pose the initialiser knows: the tracker goes on from
   /// there. Those that came before are tracked, for the trajectory, when there is time.
-  ReferenceConstPtr begin(std::unique_ptr<InitialMap> initial, const Vector6& velocity);
+  std::optional<KeyframeReport> begin(std::unique_ptr<InitialMap> initial, const Vector6& velocity);
+  /// Where the camera is by now is the second keyframe, if it has moved on since the initial map's reference.
+  std::optional<KeyframeReport> goAlong(const InitialMap& initial);
   /// The map is wrong. Its last poses are forgotten, all of them if it has only just begun; the tracker is told to
   /// leave it. What a young map was made of may hold a better one.
   MapperOutput giveUp(MapperOutput output);

@@ -28,8 +28,10 @@ Machine::MapperSeconds Machine::secondsFor(const MapperStep& step) const {
   const TrackedFrame& tracked = *step.cause.tracked;
   double ms = 0.0;
   if (step.output.reference && step.output.reference->cause == ReferenceCause::kMapBegins) {
-    ms += first_map;
-  } else if (tracked.status == TrackingStatus::kInitializing) {
+    seconds.total = kSecondsPerMillisecond * first_map;
+    return seconds;
+  }
+  if (tracked.status == TrackingStatus::kInitializing) {
     if (step.had_time && !step.cause.has_reference) ms += look_for_map;
   } else if (tracked.status == TrackingStatus::kLost && !tracked.blind) {
     ms += relocalize;

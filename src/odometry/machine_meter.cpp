@@ -44,10 +44,10 @@ void MachineMeter::add(const MapperStep& step, double seconds, std::optional<dou
   if (step.kind == MapperStep::Kind::kDeferred) return deferred_.add(ms);
   if (step.kind != MapperStep::Kind::kFrame || !step.had_time) return;
   const TrackedFrame& tracked = *step.cause.tracked;
-  if (step.output.keyframe) {
-    if (draft_seconds) addKeyframe(step, ms, kMillisecondsPerSecond * *draft_seconds);
-  } else if (step.output.reference && step.output.reference->cause == ReferenceCause::kMapBegins) {
+  if (step.output.reference && step.output.reference->cause == ReferenceCause::kMapBegins) {
     first_map_.add(ms);
+  } else if (step.output.keyframe) {
+    if (draft_seconds) addKeyframe(step, ms, kMillisecondsPerSecond * *draft_seconds);
   } else if (tracked.status == TrackingStatus::kInitializing) {
     if (!step.cause.has_reference) look_for_map_.add(ms);
   } else if (tracked.status == TrackingStatus::kLost) {
