@@ -38,9 +38,9 @@ Matrix6 squareOf(const Vector6& error) { return error * error.transpose(); }
 /// The tracker's covariance knows the noise. What else is wrong, depths above all, does most harm where a few patches
 /// of new points have to tell for all the image, as on a fast turn: the error grows with the square of what noise
 /// makes.
-Matrix6 alignmentCovariance(const TrackedFrame& tracked) {
+Matrix12 alignmentCovariance(const TrackedFrame& tracked) {
   const double badness = tracked.expected_error / kModelError;
-  return (kNoiseShare + badness * badness) * tracked.covariance.topLeftCorner<6, 6>();
+  return (kNoiseShare + badness * badness) * tracked.covariance;
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ MotionCovariance OdometryCovariance::update(const TrackedFrame& tracked, const S
   } else {
     beginMap(tracked, T_odom_camera, T_map_odom);
   }
-  const Matrix6 alignment = alignmentCovariance(tracked);
+  const Matrix6 alignment = alignmentCovariance(tracked).topLeftCorner<6, 6>();
   const Vector6 left_behind = (T_camera_odom * T_map_odom_first_.inverse() * T_map_odom * T_odom_camera).log();
   result.map = seenThrough(T_camera_odom, map_ + keyframe_) + scaleErrors(T_odom_camera) + alignment;
   result.odom = result.map + seenThrough(T_camera_odom, before_) + squareOf(left_behind);
@@ -93,7 +93,7 @@ void OdometryCovariance::beginMap(const TrackedFrame& tracked, const SE3& T_odom
     before_ += seenThrough(T_odom_camera, isotropic(speed_.linear * seconds * seconds / 3.0, 0.0));
   }
   // What ties the map to its first pose stays, for that pose is not measured again.
-  map_ = seenThrough(T_odom_camera, alignmentCovariance(tracked));
+  map_ = seenThrough(T_odom_camera, alignmentCovariance(tracked).topLeftCorner<6, 6>());
   keyframe_ = Matrix6::Zero();
   scales_ = {};
   changeScale(T_odom_camera.translation(), kFirstScale);
@@ -160,13 +160,13 @@ Matrix6 OdometryCovariance::velocityCovariance(const TrackedFrame& tracked, doub
     const ExposureEstimate& estimate = tracked.exposure_estimate;
     const bool told = tracked.frame->exposure && !estimate.used;
     const double log_sigma = told ? 0.0 : std::min(estimate.log_sigma, kUnknownExposureSigma);
-    return tracked.covariance.bottomRightCorner<6, 6>() / (motion.exposure * motion.exposure) +
+    return alignmentCovariance(tracked).bottomRightCorner<6, 6>() / (motion.exposure * motion.exposure) +
            squareOf(log_sigma * motion.velocity);
   }
   if (frames_ < 3 || !(seconds > 0.0)) return kUnknownVariance * Matrix6::Identity();
   // The difference of two poses that were measured alike, and what the velocity has changed by since.
   const double lag = kLag * seconds;
-  return 2.0 / (seconds * seconds) * tracked.covariance.topLeftCorner<6, 6>() +
+  return 2.0 / (seconds * seconds) * alignmentCovariance(tracked).topLeftCorner<6, 6>() +
          lag * lag * isotropic(acceleration_.linear, acceleration_.angular);
 }
 

@@ -91,8 +91,10 @@ TEST(OdometryCovariance, AnAlignmentThatIsHardlyDeterminedErrsByMoreThanItsNoise
     TrackedFrame tracked = trackedAt(1, 1, 1);
     tracked.expected_error = expected_error;
     const double factor = kNoiseShare + std::pow(expected_error / kModelError, 2);
-    EXPECT_LT(relativeDifference(covariance.update(tracked, SE3(), SE3()).odom, (1.0 + factor) * alignment()), 1e-12)
+    const MotionCovariance result = covariance.update(tracked, SE3(), SE3());
+    EXPECT_LT(relativeDifference(result.odom, (1.0 + factor) * alignment()), 1e-12)
         << expected_error << " px, beside the first pose of the map";
+    EXPECT_LT(relativeDifference(result.velocity, factor * 1e-8 / (0.02 * 0.02) * Matrix6::Identity()), 1e-12);
   }
 }
 
