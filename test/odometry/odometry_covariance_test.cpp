@@ -10,10 +10,13 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kInterval = 0.04;      // between images [s]
-constexpr double kKeyframeShare = 0.1;  // of old keyframes
-constexpr double kCorrectionShare = 0.15;
-constexpr double kScaleDrift = 0.001;  // per keyframe
+constexpr double kInterval = 0.04;  // between images [s]
+constexpr double kNoiseShare = 0.5;
+constexpr double kModelError = 0.1;      // [px]
+constexpr double kKeyframeShare = 0.02;  // of old keyframes
+constexpr double kCorrectionShare = 0.06;
+constexpr double kFirstScale = 0.006;
+constexpr double kScaleDrift = 0.0003;  // per keyframe
 
 Vector6 vector6(double x, double y, double z, double a, double b, double c) {
   return (Vector6() << x, y, z, a, b, c).finished();
@@ -40,6 +43,7 @@ TrackedFrame trackedAt(int image, MapId map, KeyframeId keyframe) {
   tracked.trajectory.velocity = vector6(0.3, 0.0, 0.4, 0.0, 1.0, 0.0);
   tracked.covariance.topLeftCorner<6, 6>() = alignment();
   tracked.covariance.bottomRightCorner<6, 6>() = 1e-8 * Matrix6::Identity();
+  tracked.expected_error = kModelError * std::sqrt(1.0 - kNoiseShare);  // so that the covariance counts as it is
   return tracked;
 }
 
@@ -80,6 +84,37 @@ TEST(OdometryCovariance, GrowsWithEachKeyframeAndNotBetween) {
   EXPECT_LT(relativeDifference(next.map, next.odom), 1e-12) << "map and odom are one until the map is corrected";
 }
 
+TEST(OdometryCovariance, AnAlignmentThatIsHardlyDeterminedErrsByMoreThanItsNoise) {
+  for (const double expected_error : {0.0, 0.1, 0.3}) {
+    OdometryCovariance covariance;
+    covariance.update(trackedAt(0, 1, 1), SE3(), SE3());
+    TrackedFrame tracked = trackedAt(1, 1, 1);
+    tracked.expected_error = expected_error;
+    const double factor = kNoiseShare + std::pow(expected_error / kModelError, 2);
+    const MotionCovariance result = covariance.update(tracked, SE3(), SE3());
+    EXPECT_LT(relativeDifference(result.odom, (1.0 + factor) * alignment()), 1e-12)
+        << expected_error << " px, beside the first pose of the map";
+    EXPECT_LT(relativeDifference(result.velocity, factor * 1e-8 / (0.02 * 0.02) * Matrix6::Identity()), 1e-12);
+  }
+}
+
+/// Of the first depths of a map; it shows where the camera has moved since, in the direction of the way.
+TEST(OdometryCovariance, TheFirstScaleOfAMapIsUncertain) {
+  OdometryCovariance covariance;
+  const SE3 T_odom_first(Eigen::Quaterniond::Identity(), Eigen::Vector3d(4.0, 0.0, 0.0));
+  const Matrix6 first = covariance.update(trackedAt(0, 1, 1), T_odom_first, SE3()).odom;
+  EXPECT_LT(relativeDifference(first, 2.0 * alignment()), 1e-12) << "however far from where odom began";
+  const SE3 turned = SE3::exp(vector6(0.0, 0.0, 0.0, 0.0, 1.0, 0.0));
+  const SE3 T_first_second(turned.rotation(), Eigen::Vector3d(0.0, 3.0, 1.0));
+  const MotionCovariance second = covariance.update(trackedAt(1, 1, 1), T_odom_first * T_first_second, SE3());
+  const Eigen::Vector3d way = T_first_second.rotation().conjugate() * T_first_second.translation();
+  Matrix6 expected = seenThrough(T_first_second.inverse(), alignment()) + alignment();
+  expected.topLeftCorner<3, 3>() += kFirstScale * kFirstScale * way * way.transpose();
+  EXPECT_LT(relativeDifference(second.odom, expected), 1e-12);
+  EXPECT_LT(relativeDifference(covariance.update(trackedAt(2, 2, 9), SE3(), SE3()).map, 2.0 * alignment()), 1e-12)
+      << "each map has its own";
+}
+
 /// Chains of poses with errors as the covariance supposes them, composed as motions: what they scatter by is what it
 /// says.
 TEST(OdometryCovariance, IsTheScatterOfChainsOfKeyframes) {
@@ -111,7 +146,7 @@ TEST(OdometryCovariance, IsTheScatterOfChainsOfKeyframes) {
       const SE3& frame = poses[i > 0 ? i - 1 : 0];  // the last one when the keyframe comes into use
       const double share = i > 0 && i + 1 < kKeyframes ? kKeyframeShare : 1.0;
       T_estimated_true = T_estimated_true * frame * SE3::exp(draw(share)) * frame.inverse();
-      stretch += kScaleDrift * normal(generator) * (last.translation() - frame.translation());
+      stretch += (i > 0 ? kScaleDrift : kFirstScale) * normal(generator) * (last.translation() - frame.translation());
     }
     const SE3 stretched(last.rotation(), last.translation() + stretch);
     const Vector6 error = (last.inverse() * T_estimated_true * stretched * SE3::exp(draw(1.0))).log();

@@ -19,8 +19,9 @@ struct MotionCovariance {
 /// definition:
 ///   map   an alignment ties the map to that pose. The keyframe in use is known relative to the one before as well
 ///         as the last frame was; of that a share remains once the map has been optimised with the next one, and
-///         adds up along the keyframes. What the map is corrected by tells how well it was known; its scale drifts a
-///         little with each keyframe. Then comes the alignment of the frame itself.
+///         adds up along the keyframes. What the map is corrected by tells how well it was known. Its scale is that
+///         of its first depths, which a short way has told, and drifts a little with each keyframe. Then comes the
+///         alignment of the frame itself, which errs by more than its noise where it is hardly determined.
 ///   odom  moreover, odometry does not follow when the map is corrected, nor when a lost camera is found again:
 ///         what map -> odom has moved by since the map began is missing in it.
 /// Between two maps nothing measures the position, and nothing the rotation until there is a result again: the camera
@@ -47,9 +48,9 @@ class OdometryCovariance {
     double angular = 0.0;  // [rad^2/s^2], or [rad^2/s^4]
   };
 
-  /// Moments of where keyframes came into use, for the positions that drifting scales displace.
-  struct KeyframePlaces {
-    double count = 0.0;
+  /// Moments of where errors of the scale came in, by their variances, for the positions that they displace.
+  struct ScaleChanges {
+    double variance = 0.0;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   };
@@ -58,7 +59,8 @@ class OdometryCovariance {
   void beginMap(const TrackedFrame& tracked, const SE3& T_odom_camera, const SE3& T_map_odom);
   void goOnInMap(const TrackedFrame& tracked, const SE3& T_odom_camera, const SE3& T_map_odom);
   void useKeyframe(const SE3& T_odom_camera, const Matrix6& alignment);
-  Matrix6 scaleDrift(const SE3& T_odom_camera) const;
+  void changeScale(const Eigen::Vector3d& place, double sigma);
+  Matrix6 scaleErrors(const SE3& T_odom_camera) const;
   void observeMotion(const TrackedFrame& tracked, double seconds);
   Matrix6 velocityCovariance(const TrackedFrame& tracked, double seconds) const;
 
@@ -66,7 +68,7 @@ class OdometryCovariance {
   Matrix6 before_ = Matrix6::Zero();    // from before this map
   Matrix6 map_ = Matrix6::Zero();       // of the keyframes before the one in use, and of corrections of the map
   Matrix6 keyframe_ = Matrix6::Zero();  // of the keyframe in use, relative to the one before
-  KeyframePlaces places_;               // in this map
+  ScaleChanges scales_;                 // in this map
   SE3 T_map_odom_first_;                // when this map began
   std::optional<Pose> last_;
   bool has_map_ = false;
