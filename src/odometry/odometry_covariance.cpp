@@ -8,7 +8,7 @@ namespace {
 
 // Those that make the errors of all published poses likeliest (the greatest mean log of their normal density),
 // together, over the sequences of scripts/covariance.py: seeds 200 to 222 with --live and 200 to 219 without. The drift
-// of the scale is the largest that costs no likelihood, there and on a walk of 20 m: 12 s tell little of it.
+// of the scale is a judgement between these and a walk of 20 m: 12 s tell little of it.
 constexpr double kNoiseShare = 0.5;        // of an alignment's covariance; what consecutive frames share is in it
 constexpr double kModelError = 0.1;        // [px] of expected error at which wrong depths add once that covariance
 constexpr double kKeyframeShare = 0.02;    // of a keyframe's variance that remains when the map has been optimised
