@@ -164,6 +164,7 @@ FrameConstPtr FrameBuilder::build(const cv::Mat& image, std::uint64_t sequence, 
   frame->exposure = exposure;
   frame->correction = impl_->correction();
   frame->overlay = impl_->overlay();
+  frame->masked = !impl_->unused().empty();
   frame->pyramid = impl_->makePyramid(image);
   frame->depth = impl_->makeDepth(depth);
   return frame;

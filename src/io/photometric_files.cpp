@@ -56,7 +56,7 @@ cv::Mat1f loadVignette(const std::string& file) {
 }
 
 cv::Mat1b loadMask(const std::string& file) {
-  const cv::Mat image = cv::imread(file, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+  cv::Mat image = cv::imread(file, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
   if (image.empty()) {
     throw std::runtime_error(file + ": not a readable image");
   }
