@@ -27,14 +27,15 @@ CalibrationStudy studyCalibration(const CalibratedRun& run, OfflineOptions optio
   if (!options.config.mapper.refine_calibration) {
     throw std::runtime_error("option 'mapper.refine_calibration' is false: nothing would be learnt");
   }
-  const bool vignette_told = options.config.mapper.vignette_told;
+  CameraKind camera{options.config.mapper.vignette_told, false};
   CalibrationStudy study;
   while (!study.settled && study.passes < most_passes) {
     const auto reader = run.open();
     study.last = runOffline(*reader, options, run.progress);
     ++study.passes;
     const std::vector<KeyframeReport>& keyframes = study.last.log.keyframes();
-    study.estimate = estimateCalibration(keyframes, keyframes.size(), vignette_told);
+    camera.rolling = options.config.image.row_time + study.last.correction[CalibrationCorrection::kRowTime] != 0.0;
+    study.estimate = estimateCalibration(keyframes, keyframes.size(), camera);
     if (study.estimate.windows == 0) {
       throw std::runtime_error("no map held long enough to tell anything about the camera");
     }
@@ -46,7 +47,7 @@ CalibrationStudy studyCalibration(const CalibratedRun& run, OfflineOptions optio
   }
   const std::vector<KeyframeReport>& keyframes = study.last.log.keyframes();
   for (std::size_t i = 1; i <= keyframes.size(); ++i) {
-    study.growth.push_back(estimateCalibration(keyframes, i, vignette_told));
+    study.growth.push_back(estimateCalibration(keyframes, i, camera));
   }
   return study;
 }

@@ -90,7 +90,8 @@ std::optional<CalibratedNumber> calibratedExposure(const OfflineResult& result) 
   const ExposureEstimate& estimate = result.exposure;
   if (!std::isfinite(estimate.log_sigma) || estimate.varies) return std::nullopt;
   const ExposureCorrection& known = result.exposure_correction;
-  if (known.missing) {
+  // Of exposures that came, a factor is used only if they are clearly wrong; a single image may lack one nevertheless.
+  if (known.missing && known.factor == 1.0 && estimate.used) {
     const double found = kMilli * *known.missing;
     return CalibratedNumber{"exposure", "ms", 0.0, found, found * estimate.log_sigma};
   }

@@ -116,7 +116,9 @@ void ImageIntake::reset() {
   overlay_ = {};
   next_builder_ = {};
   correction_ = start_;
-  if (builder_) builder_->correct(correction_);
+  if (!builder_) return;
+  builder_->correct(correction_);
+  builder_->setOverlay({});
 }
 
 std::unique_ptr<FrameBuilder> ImageIntake::makeBuilder(const CalibrationCorrection& correction) const {
@@ -128,6 +130,7 @@ std::unique_ptr<FrameBuilder> ImageIntake::makeBuilder(const CalibrationCorrecti
 void ImageIntake::adoptCorrected() {
   if (next_builder_.valid() && next_builder_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     builder_ = next_builder_.get();
+    builder_->setOverlay(overlay_.pixels());
   }
 }
 

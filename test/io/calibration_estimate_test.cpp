@@ -51,7 +51,7 @@ std::vector<KeyframeReport> run(int windows, std::uint64_t seed, double noise = 
 }
 
 TEST(CalibrationEstimate, AllWindowsTellTogetherWhateverCorrectionTheyHad) {
-  const CalibrationEstimate estimate = estimateCalibration(run(40, 1, 0.0), 41, false);
+  const CalibrationEstimate estimate = estimateCalibration(run(40, 1, 0.0), 41, {});
   EXPECT_EQ(estimate.windows, 40);
   for (int i = 0; i < Correction::kDim; ++i) {
     EXPECT_NEAR(estimate.correction.values(i), truth().values(i), 0.05 * scale()(i)) << i;  // there is a weak prior
@@ -63,7 +63,7 @@ TEST(CalibrationEstimate, ErrorsAreWithinTheirStandardDeviations) {
   double squares = 0.0;
   constexpr int kRuns = 40;
   for (int seed = 1; seed <= kRuns; ++seed) {
-    const CalibrationEstimate estimate = estimateCalibration(run(40, static_cast<std::uint64_t>(seed)), 41, false);
+    const CalibrationEstimate estimate = estimateCalibration(run(40, static_cast<std::uint64_t>(seed)), 41, {});
     squares += estimate.chi2(truth());
   }
   EXPECT_GT(squares / kRuns, 0.4 * Correction::kDim);
@@ -71,20 +71,25 @@ TEST(CalibrationEstimate, ErrorsAreWithinTheirStandardDeviations) {
 }
 
 TEST(CalibrationEstimate, WindowsThatContradictEachOtherTellLess) {
-  const Correction::Vector agreeing = estimateCalibration(run(40, 3, 0.5), 41, false).sigma();
-  const Correction::Vector contradicting = estimateCalibration(run(40, 3, 5.0), 41, false).sigma();
+  const Correction::Vector agreeing = estimateCalibration(run(40, 3, 0.5), 41, {}).sigma();
+  const Correction::Vector contradicting = estimateCalibration(run(40, 3, 5.0), 41, {}).sigma();
   EXPECT_GT(contradicting.cwiseQuotient(agreeing).mean(), 3.0);
 }
 
 TEST(CalibrationEstimate, TheFirstKeyframesAlone) {
-  EXPECT_EQ(estimateCalibration(run(40, 1), 11, false).windows, 10);
-  EXPECT_EQ(estimateCalibration(run(40, 1), 1, false).windows, 0);
-  EXPECT_GT(estimateCalibration(run(40, 1), 11, false).sigma()(0),
-            estimateCalibration(run(40, 1), 41, false).sigma()(0));
+  EXPECT_EQ(estimateCalibration(run(40, 1), 11, {}).windows, 10);
+  EXPECT_EQ(estimateCalibration(run(40, 1), 1, {}).windows, 0);
+  EXPECT_GT(estimateCalibration(run(40, 1), 11, {}).sigma()(0), estimateCalibration(run(40, 1), 41, {}).sigma()(0));
+}
+
+TEST(CalibrationEstimate, UnderARollingShutterLessIsSure) {
+  const Correction::Vector still = estimateCalibration(run(10, 1), 11, {}).sigma();
+  const Correction::Vector rolling = estimateCalibration(run(10, 1), 11, {false, true}).sigma();
+  EXPECT_GT(rolling.cwiseQuotient(still).minCoeff(), 3.0);
 }
 
 TEST(CalibrationEstimate, AVignetteThatIsToldStays) {
-  const CalibrationEstimate estimate = estimateCalibration(run(40, 1), 41, true);
+  const CalibrationEstimate estimate = estimateCalibration(run(40, 1), 41, {true, false});
   EXPECT_TRUE(estimate.correction.vignette().isZero(1e-12));
   EXPECT_NEAR(estimate.correction[Correction::kFocal], truth()[Correction::kFocal], 3.0 * estimate.sigma()(0));
 }

@@ -19,9 +19,15 @@ struct CalibrationEstimate {
   double chi2(const CalibrationCorrection& other) const;
 };
 
-/// From the first `count` keyframes. `vignette_told`: there is nothing left of it to be found. The covariance is that
+/// What is known of the camera otherwise.
+struct CameraKind {
+  bool vignette_told = false;  // there is nothing left of it to be found
+  bool rolling = false;        // its shutter
+};
+
+/// From the first `count` keyframes. The covariance is that
 /// of the residuals, or, where estimates from parts of the run scatter more than that, larger.
 CalibrationEstimate estimateCalibration(const std::vector<KeyframeReport>& keyframes, std::size_t count,
-                                        bool vignette_told);
+                                        const CameraKind& camera);
 
 }  // namespace mba_vo
