@@ -235,9 +235,8 @@ void LocalMap::refineImaging(KeyframeReport& report) {
   if (!config_.refine_calibration && !rolling) return;
   if (static_cast<int>(keyframes_.size()) < kCalibrationKeyframes) return;
   for (int i = 0; i < kCalibrationSteps; ++i) {
-    const CalibrationSystem system = window_.refineRowMotions();
-    report.calibration = {calibration_.correction(), system};
-    if (!config_.refine_calibration || !calibration_.add(system)) return;
+    report.calibration = {calibration_.correction(), window_.refineRowMotions()};
+    if (!config_.refine_calibration || !calibration_.add(report.calibration->system)) return;
     window_.setCorrection(calibration_.correction());
     window_.optimize(config_.window.max_iterations);
     storePoses();
