@@ -7,6 +7,7 @@
 
 #include "mba_vo/image/rectifier.h"
 #include "mba_vo/image/saturation.h"
+#include "mba_vo/image/static_overlay.h"
 
 namespace mba_vo {
 namespace {
@@ -14,6 +15,10 @@ namespace {
 // Share of saturated pixels from which on they are masked. Lamps and windows are fewer, are white in all images alike,
 // and their edges tell more than is lost (desk: 1.6 %, at most 4.5 %).
 constexpr double kOverexposed = 0.05;
+
+// Share of the image. Where it was 11 %, filling its hole for the initialiser took the errors of three starts of shake
+// from 24, 4 and 355 mm to 1.4, 1.1 and 4.9; with the letters of phone, 0.4 %, a fifth fewer images were tracked.
+constexpr double kLargeMask = 0.02;
 
 /// What rectified images are to be multiplied with; empty if the correction knows of no vignette.
 cv::Mat1f inverseVignette(const PinholeCamera& camera, const CalibrationCorrection& correction) {
@@ -164,7 +169,7 @@ FrameConstPtr FrameBuilder::build(const cv::Mat& image, std::uint64_t sequence, 
   frame->exposure = exposure;
   frame->correction = impl_->correction();
   frame->overlay = impl_->overlay();
-  frame->masked = !impl_->unused().empty();
+  frame->masked = shareOf(impl_->unused()) > kLargeMask;
   frame->pyramid = impl_->makePyramid(image);
   frame->depth = impl_->makeDepth(depth);
   return frame;

@@ -118,6 +118,15 @@ TEST(FrameBuilder, NorAreRectifiedPixelsBetweenThem) {
   EXPECT_EQ(masked->pyramid.level(0).intensity(60, 60), 100.0F);
 }
 
+TEST(FrameBuilder, SaysWhereALargePartIsMasked) {
+  PhotometricCalibration photometric;
+  for (const int rows : {1, 20}) {
+    photometric.mask = cv::Mat1b(96, 128, std::uint8_t{255});
+    photometric.mask.rowRange(0, rows).setTo(0);
+    EXPECT_EQ(FrameBuilder(undistorted(), photometric, {}).build(noiseImage(), 0, 0, 0, 0.0)->masked, rows == 20);
+  }
+}
+
 TEST(FrameBuilder, AMaskOfAnotherSizeIsNamed) {
   FrameBuilderConfig config;
   config.mask_file = "bumper.png";
