@@ -1,5 +1,7 @@
 # The command-line programs that need no ROS: tools/<name>.cpp, with tools/<name>/*.cpp where there are any, becomes
-# <name>.
+# <name>. What several of them share is in tools/common.
+file(GLOB MBA_VO_TOOLS_COMMON CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/tools/common/*.cpp)
+
 function(mba_vo_tool name)
   if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/tools/${name}.cpp)
     set(target ${name})
@@ -16,10 +18,15 @@ function(mba_vo_tool name)
   endif()
 endfunction()
 
+mba_vo_tool(mba_vo_calibrate mba_vo_io mba_vo_evaluation)
 mba_vo_tool(mba_vo_deblur mba_vo_io mba_vo_evaluation)
 mba_vo_tool(mba_vo_evaluate mba_vo_evaluation)
 mba_vo_tool(mba_vo_offline mba_vo_io)
 mba_vo_tool(mba_vo_simulate mba_vo_simulation mba_vo_io)
+foreach(program mba_vo_calibrate mba_vo_offline)  # that read any recording
+  target_sources(${program} PRIVATE ${MBA_VO_TOOLS_COMMON})
+  target_include_directories(${program} PRIVATE tools/common)
+endforeach()
 
 # A program called with these arguments must say what matches the regular expression.
 function(mba_vo_tool_test name program expected)
@@ -29,6 +36,8 @@ function(mba_vo_tool_test name program expected)
   endif()
 endfunction()
 
+mba_vo_tool_test(calibrate_without_sequence mba_vo_calibrate "SEQUENCE and --output are needed")
+mba_vo_tool_test(calibrate_missing_sequence mba_vo_calibrate "/nonexistent: no such sequence" /nonexistent --output out)
 mba_vo_tool_test(deblur_missing_run mba_vo_deblur_program "/nonexistent: no such folder"
   /nonexistent --run /nonexistent --output out)
 mba_vo_tool_test(evaluate_missing_file mba_vo_evaluate "/nonexistent.txt: cannot be read"

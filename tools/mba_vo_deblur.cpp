@@ -96,9 +96,7 @@ class DeblurRun {
   DeblurRun(const Arguments& a, const mba_vo::OdometryConfig& config)
       : arguments_(a),
         blurred_(mba_vo::openSequenceFolder(a.sequence, a.images)),
-        builder_(blurred_->calibration(),
-                 mba_vo::loadPhotometricCalibration(config.image.response_file, config.image.vignette_file),
-                 config.image),
+        builder_(blurred_->calibration(), mba_vo::loadPhotometricCalibration(config.image), config.image),
         white_level_(config.image.white_level),
         deblurrer_(mba_vo::makeDeblurrer(config.mapper.deblur)),
         two_frames_(config.mapper.deblur.trajectory.frames > 1),

@@ -19,76 +19,29 @@
 #include "mba_vo/io/run_writer.h"
 #include "mba_vo/io/trajectory_writer.h"
 #include "mba_vo/odometry/config_yaml.h"
+#include "recording.h"
 #include "report.h"
-#ifdef MBA_VO_WITH_ROS
-#include "mba_vo/ros/bag_reader.h"
-#endif
 
 namespace {
 
 struct Arguments {
-  std::string sequence;
+  RecordingArguments recording;
   std::string output;
   std::string config_file;
-  std::string images = "images";
-  mba_vo::DepthFolder depth;
-  std::string exposure = "auto";
-  std::string image_topic;
-  std::string camera_info_topic;
-  std::string exposure_topic;
-  std::string depth_topic;
-  double depth_tolerance = 0.02;  // [s]
-  std::string stamp_reference = "middle";
-  std::optional<double> row_time;  // [s]
-  std::size_t skip = 0;
-  std::size_t frames = 0;
   std::vector<std::string> faults;
   unsigned fault_seed = 1;
   int reference_delay = 0;
   bool live = false;
   std::string machine_file;
   double slower = 1.0;
-  bool rectified = false;
   bool deterministic = false;
   bool print_config = false;
 };
 
-/// "auto" or seconds.
-std::string checkExposure(const std::string& text) {
-  if (text == "auto") {
-    return "";
-  }
-  constexpr double kLongest = 10.0;  // [s]
-  std::size_t used = 0;
-  double seconds = -1.0;
-  try {
-    seconds = std::stod(text, &used);
-  } catch (const std::exception&) {
-    used = 0;
-  }
-  const bool good = used == text.size() && seconds >= 0.0 && seconds <= kLongest;
-  return good ? "" : "exposure '" + text + "': must be auto or 0 to 10 seconds";
-}
-
 void describe(CLI::App& app, Arguments& a) {
-  app.add_option("SEQUENCE", a.sequence, "sequence folder (camera.yaml, times.txt, images) or .bag file");
+  describeRecording(app, a.recording);
   app.add_option("--output", a.output, "folder for the results, made if need be");
   app.add_option("--config", a.config_file, "YAML file with options; see --print-config");
-  app.add_option("--images", a.images, "sub-folder with the images of a sequence folder")->capture_default_str();
-  app.add_option(
-      "--depth", a.depth.subfolder,
-      "sub-folder with depth images of a sequence folder: the map then begins at once, and its scale is theirs");
-  app.add_option("--depth-units", a.depth.units_per_metre, "units per metre of 16-bit depth images")
-      ->capture_default_str()
-      ->check(CLI::Range(1.0, 1e6));
-  app.add_option("--exposure", a.exposure, "auto = as recorded, or seconds for all images; 0 = treat as sharp")
-      ->capture_default_str()
-      ->check(checkExposure);
-  app.add_option("--row-time", a.row_time,
-                 "rolling shutter: seconds from one row to the next; default: image.row_time of the configuration")
-      ->check(CLI::Range(-1e-3, 1e-3));
-  app.add_option("--skip", a.skip, "images to leave out at the beginning")->capture_default_str();
-  app.add_option("--frames", a.frames, "most images to take after these, 0 = all")->capture_default_str();
   app.add_option("--faults", a.faults,
                  "spoils the recording on purpose: all, or a list of black saturated covered frozen unreadable gap "
                  "forwards backwards restart brightness exposure kidnap")
@@ -105,83 +58,15 @@ void describe(CLI::App& app, Arguments& a) {
                  "YAML file with the times of the machine for --live; default: a laptop's");
   app.add_option("--slower", a.slower, "factor on these times")->capture_default_str()->check(CLI::Range(0.01, 100.0));
   app.add_flag("--print-config", a.print_config, "print the options with defaults, meaning and range, and stop");
-  app.add_option("--image-topic", a.image_topic, "of the bag; found by type if there is only one");
-  app.add_option("--camera-info-topic", a.camera_info_topic, "of the bag; found beside the image topic");
-  app.add_option("--exposure-topic", a.exposure_topic, "of the bag; found by type if there is only one");
-  app.add_option("--depth-topic", a.depth_topic,
-                 "of the bag: depth images in metres or millimetres; none if not named");
-  app.add_option("--depth-tolerance", a.depth_tolerance, "most seconds between the stamps of image and depth image")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--stamp-reference", a.stamp_reference, "what the bag's image stamps refer to: start, middle or end")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"start", "middle", "end"}));
-  app.add_flag("--rectified", a.rectified, "the bag's images are rectified already");
-}
-
-std::optional<double> exposureOverride(const Arguments& a) {
-  return a.exposure == "auto" ? std::nullopt : std::optional<double>(std::stod(a.exposure));
-}
-
-#ifdef MBA_VO_WITH_ROS
-/// A bag without exposures, given one for all images: only now can stamps of start or end be turned into mid-exposure.
-class BagOfKnownExposure : public mba_vo::SequenceReader {
- public:
-  BagOfKnownExposure(std::unique_ptr<SequenceReader> bag, double exposure, mba_vo::StampReference reference)
-      : bag_(std::move(bag)), exposure_(exposure), reference_(reference) {}
-  mba_vo::CameraCalibration calibration() const override { return bag_->calibration(); }
-  std::size_t size() const override { return bag_->size(); }
-  std::optional<mba_vo::CameraImage> next() override {
-    std::optional<mba_vo::CameraImage> image = bag_->next();
-    if (image && !image->exposure) {
-      image->mid_exposure_ns = mba_vo::midExposure(image->stamp_ns, exposure_, reference_);
-    }
-    return image;
-  }
-
- private:
-  std::unique_ptr<SequenceReader> bag_;
-  double exposure_;  // [s]
-  mba_vo::StampReference reference_;
-};
-
-std::unique_ptr<mba_vo::SequenceReader> openBag(const Arguments& a) {
-  mba_vo::BagTopics topics;
-  topics.image = a.image_topic;
-  topics.camera_info = a.camera_info_topic;
-  topics.exposure = a.exposure_topic;
-  topics.depth = a.depth_topic;
-  topics.depth_tolerance = a.depth_tolerance;
-  topics.stamp_reference = mba_vo::parseStampReference(a.stamp_reference);
-  topics.rectified = a.rectified;
-  auto bag = mba_vo::openBag(a.sequence, topics);
-  const std::optional<double> exposure = exposureOverride(a);
-  if (!exposure) {
-    return bag;
-  }
-  return std::make_unique<BagOfKnownExposure>(std::move(bag), *exposure, topics.stamp_reference);
-}
-#else
-std::unique_ptr<mba_vo::SequenceReader> openBag(const Arguments& a) {
-  throw std::runtime_error(a.sequence + ": this program was built without ROS (MBA_VO_ROS=OFF) and cannot read bags");
-}
-#endif
-
-std::unique_ptr<mba_vo::SequenceReader> openSequence(const Arguments& a) {
-  if (!std::filesystem::exists(a.sequence)) {
-    throw std::runtime_error(a.sequence + ": no such sequence folder or bag");
-  }
-  if (!std::filesystem::is_directory(a.sequence)) return openBag(a);
-  return mba_vo::openSequenceFolder(a.sequence, a.images, a.depth);
 }
 
 /// What summary.yaml says about how the run was made.
 std::vector<std::pair<std::string, std::string>> settingsOf(const Arguments& a) {
-  return {{"sequence", a.sequence},
-          {"images", a.images},
-          {"depth", a.depth.subfolder + a.depth_topic},
+  return {{"sequence", a.recording.sequence},
+          {"images", a.recording.images},
+          {"depth", a.recording.depth.subfolder + a.recording.depth_topic},
           {"config", a.config_file},
-          {"exposure", a.exposure},
+          {"exposure", a.recording.exposure},
           {"deterministic", a.deterministic ? "yes" : "no"},
           {"reference_delay_frames", std::to_string(a.reference_delay)},
           {"live", a.live ? "yes" : "no"}};
@@ -189,7 +74,7 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const Arguments& a) 
 
 /// The recording itself, or spoilt in the ways that `faults` then tells.
 std::unique_ptr<mba_vo::SequenceReader> openRecording(const Arguments& a, std::vector<mba_vo::FaultRecord>& faults) {
-  std::unique_ptr<mba_vo::SequenceReader> reader = openSequence(a);
+  std::unique_ptr<mba_vo::SequenceReader> reader = openSequence(a.recording);
   if (a.faults.empty()) return reader;
   mba_vo::FaultConfig config{a.fault_seed, a.faults};
   if (a.faults.front() == "all") config.kinds.clear();
@@ -233,18 +118,18 @@ void run(const Arguments& a) {
     mba_vo::writeConfig(options.config, std::cout);
     return;
   }
-  if (a.sequence.empty() || a.output.empty()) {
+  if (a.recording.sequence.empty() || a.output.empty()) {
     throw std::runtime_error("SEQUENCE and --output are needed; see --help");
   }
   options.config.mapper.deterministic = a.deterministic || a.live;
   options.live = machineOf(a);
-  options.exposure = exposureOverride(a);
-  options.skip = a.skip;
-  options.frames = a.frames;
+  options.exposure = exposureOverride(a.recording);
+  options.skip = a.recording.skip;
+  options.frames = a.recording.frames;
   options.reference_delay_frames = a.reference_delay;
-  if (a.row_time) options.config.image.row_time = *a.row_time;
+  if (a.recording.row_time) options.config.image.row_time = *a.recording.row_time;
   mba_vo::CameraMemory memory(options.config.image);
-  options.known = memory.recall(openSequence(a)->calibration());
+  options.known = memory.recall(openSequence(a.recording)->calibration());
   std::vector<mba_vo::FaultRecord> faults;
   const mba_vo::OfflineResult result = runOver(a, options, faults);
   mba_vo::writeRun(a.output, result, settingsOf(a));

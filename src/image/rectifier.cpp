@@ -7,6 +7,8 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "mba_vo/image/corrected_calibration.h"
+
 namespace mba_vo {
 namespace {
 
@@ -82,13 +84,7 @@ Maps makeCorrectedMaps(const CameraCalibration& c, const cv::Matx33d& rectified,
       rays.emplace_back(x.x(), x.y(), 1.0);
     }
   }
-  const cv::Matx33d distorted = cameraMatrix(c.fx, c.fy, c.cx, c.cy);
-  std::vector<cv::Point2d> pixels;
-  if (c.distortion_model == "equidistant") {
-    cv::fisheye::projectPoints(rays, pixels, cv::Vec3d(), cv::Vec3d(), distorted, c.distortion);
-  } else {
-    cv::projectPoints(rays, cv::Vec3d(), cv::Vec3d(), distorted, c.distortion, pixels);
-  }
+  const std::vector<cv::Point2d> pixels = projectRays(c, rays);
   Maps maps{cv::Mat1f(size), cv::Mat1f(size)};
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const int v = static_cast<int>(i) / size.width;

@@ -70,20 +70,32 @@ double differenceOf(const cv::Mat1b& a, const cv::Mat1b& b) {
 
 }  // namespace
 
+void RepeatDetector::ignore(const cv::Mat1b& unused) { unused_ = unused; }
+
 bool RepeatDetector::isRepeat(const cv::Mat& image) {
   if (image.size() != original_.size() || image.type() != original_.type()) {
     reset();
     image.copyTo(original_);
     return false;
   }
-  if (areSameBytes(image, original_)) return true;  // noise included: no camera takes the same image twice
+  const cv::Mat now = usedPixels(image);
+  const cv::Mat before = usedPixels(original_);
+  if (areSameBytes(now, before)) return true;  // noise included: no camera takes the same image twice
   // Streams that are compressed have 8 bits. Channels side by side are as good as pixels.
   const bool comparable = image.depth() == CV_8U && image.isContinuous();
-  const double difference = comparable ? differenceOf(image.reshape(1), original_.reshape(1)) : kMoved;
+  const double difference = comparable ? differenceOf(now.reshape(1), before.reshape(1)) : kMoved;
   const bool repeat = isBelowNoise(difference);
   learn(difference);
   if (!repeat) image.copyTo(original_);
   return repeat;
+}
+
+/// 0 where they are not used.
+cv::Mat RepeatDetector::usedPixels(const cv::Mat& image) const {
+  if (unused_.size() != image.size()) return image;
+  cv::Mat used = image.clone();
+  used.setTo(0, unused_);
+  return used;
 }
 
 /// The noise of the sensor is in the difference of any two exposures, also where nothing moves. Until it is known, the

@@ -31,6 +31,20 @@ int workingLevel(const ImagePyramid& pyramid) {
   return level;
 }
 
+/// With the light around them, as far as the flow of a corner looks. The edges of a hole stay where they are, and would
+/// hold back the flow of what is next to it.
+void fillHoles(const cv::Mat& valid, cv::Mat1f& image) {
+  constexpr int kSide = 31;             // [px]
+  constexpr double kLeastShare = 1e-3;  // of that area
+  cv::Mat1f share, light;
+  valid.convertTo(share, CV_32F, 1.0 / 255.0);
+  cv::blur(share, share, {kSide, kSide});
+  cv::blur(image, light, {kSide, kSide});
+  light /= cv::max(share, kLeastShare);
+  light.setTo(cv::mean(image, valid), share < kLeastShare);
+  light.copyTo(image, ~valid);
+}
+
 cv::Mat1f blockEnergy(const cv::Mat1b& grey) {
   cv::Mat1f dx, dy;
   cv::Sobel(grey, dx, CV_32F, 1, 0, 3, 0.125);
@@ -103,6 +117,7 @@ InitializerImageConstPtr makeInitializerImage(const FrameConstPtr& frame) {
   const cv::Mat valid = level.intensity == level.intensity;  // NaN differs from itself
   cv::Mat1f finite = level.intensity.clone();
   finite.setTo(0.0F, ~valid);
+  if (frame->masked) fillHoles(valid, finite);
   finite.convertTo(image->grey, CV_8U);
   const int size = 2 * kMaskMargin + 1;
   cv::erode(valid, image->mask, cv::Mat1b::ones(size, size), cv::Point(-1, -1), 1, cv::BORDER_CONSTANT, cv::Scalar(0));

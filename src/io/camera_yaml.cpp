@@ -1,6 +1,9 @@
 #include "mba_vo/io/camera_yaml.h"
 
+#include <iomanip>
+#include <limits>
 #include <stdexcept>
+#include <vector>
 
 #include <yaml-cpp/yaml.h>
 
@@ -41,6 +44,13 @@ CameraCalibration parse(const YAML::Node& root) {
   return calibration;
 }
 
+void writeMatrix(const char* name, int rows, const std::vector<double>& data, std::ostream& out) {
+  const std::size_t columns = data.size() / static_cast<std::size_t>(rows);
+  out << name << ":\n  rows: " << rows << "\n  cols: " << columns << "\n  data: [";
+  for (std::size_t i = 0; i < data.size(); ++i) out << (i > 0 ? ", " : "") << data[i];
+  out << "]\n";
+}
+
 }  // namespace
 
 CameraCalibration loadCameraYaml(const std::string& file) {
@@ -53,6 +63,17 @@ CameraCalibration loadCameraYaml(const std::string& file) {
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(file + ": " + error.what());
   }
+}
+
+void writeCameraYaml(const CameraCalibration& c, const std::string& camera_name, std::ostream& out) {
+  const std::vector<double> distortion = c.distortion.empty() ? std::vector<double>(5, 0.0) : c.distortion;
+  out << std::setprecision(std::numeric_limits<double>::max_digits10) << "image_width: " << c.width
+      << "\nimage_height: " << c.height << "\ncamera_name: " << camera_name << "\n";
+  writeMatrix("camera_matrix", 3, {c.fx, 0.0, c.cx, 0.0, c.fy, c.cy, 0.0, 0.0, 1.0}, out);
+  out << "distortion_model: " << (c.distortion_model.empty() ? "plumb_bob" : c.distortion_model) << "\n";
+  writeMatrix("distortion_coefficients", 1, distortion, out);
+  writeMatrix("rectification_matrix", 3, {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}, out);
+  writeMatrix("projection_matrix", 3, {c.fx, 0.0, c.cx, 0.0, 0.0, c.fy, c.cy, 0.0, 0.0, 0.0, 1.0, 0.0}, out);
 }
 
 }  // namespace mba_vo

@@ -41,8 +41,7 @@ OdometryConfig believing(const OfflineOptions& options) {
 }
 
 std::unique_ptr<OdometryRun> makeRun(const OfflineOptions& options) {
-  const FrameBuilderConfig& image = options.config.image;
-  const PhotometricCalibration photometric = loadPhotometricCalibration(image.response_file, image.vignette_file);
+  const PhotometricCalibration photometric = loadPhotometricCalibration(options.config.image);
   if (options.live) return std::make_unique<LiveSimulation>(believing(options), *options.live, photometric);
   return std::make_unique<Odometry>(believing(options), options.reference_delay_frames, photometric);
 }
@@ -120,6 +119,7 @@ class Run {
     for (const PublishedImage& image : done.images) {
       if (!image.step.message.tracked) continue;
       note(*image.step.message.tracked, result);
+      result.overlay = image.step.message.tracked->frame->overlay;
       if (result.exposure.used && !result.exposure.varies) {
         result.exposure_correction = learnt(image.step.exposure.has_value(), result.exposure.ratio);
       }

@@ -55,15 +55,32 @@ cv::Mat1f loadVignette(const std::string& file) {
   return vignette;
 }
 
+cv::Mat1b loadMask(const std::string& file) {
+  cv::Mat image = cv::imread(file, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+  if (image.empty()) {
+    throw std::runtime_error(file + ": not a readable image");
+  }
+  if (image.depth() != CV_8U) {
+    throw std::runtime_error(file + ": mask of type " + cv::typeToString(image.type()) + ", must have 8 bits");
+  }
+  if (cv::countNonZero(image) == 0) {
+    throw std::runtime_error(file + ": the mask is black all over, no pixel would be used");
+  }
+  return image;
+}
+
 }  // namespace
 
-PhotometricCalibration loadPhotometricCalibration(const std::string& response_file, const std::string& vignette_file) {
+PhotometricCalibration loadPhotometricCalibration(const FrameBuilderConfig& config) {
   PhotometricCalibration calibration;
-  if (!response_file.empty()) {
-    calibration.inverse_response = loadResponse(response_file);
+  if (!config.response_file.empty()) {
+    calibration.inverse_response = loadResponse(config.response_file);
   }
-  if (!vignette_file.empty()) {
-    calibration.vignette = loadVignette(vignette_file);
+  if (!config.vignette_file.empty()) {
+    calibration.vignette = loadVignette(config.vignette_file);
+  }
+  if (!config.mask_file.empty()) {
+    calibration.mask = loadMask(config.mask_file);
   }
   return calibration;
 }

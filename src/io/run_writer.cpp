@@ -8,6 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mba_vo/image/static_overlay.h"
 #include "mba_vo/io/frames_csv.h"
 #include "mba_vo/io/points_file.h"
 #include "mba_vo/io/trajectory_writer.h"
@@ -87,6 +88,7 @@ void writeSummary(const OfflineResult& result, const std::vector<std::pair<std::
   out << "maps: " << counts.maps << "\n";
   out << "metric_maps: " << counts.metric_maps << "\n";
   writeDeblurring(result.deblurring, out);
+  out << "static_overlay: " << shareOf(result.overlay) << "\n";
   writeCalibration(result, out);
   if (std::isfinite(result.exposure.log_sigma)) {
     out << "exposure_ratio: " << result.exposure.ratio << "\n";

@@ -155,7 +155,7 @@ void LocalMap::refineWindow(KeyframeReport& report) {
   report.optimisation_ms = millisecondsSince(stage);
 
   stage = Clock::now();
-  refineImaging();
+  refineImaging(report);
   report.calibration_ms = millisecondsSince(stage);
 
   stage = Clock::now();
@@ -230,13 +230,13 @@ void LocalMap::marginalizeKeyframes() {
   }
 }
 
-void LocalMap::refineImaging() {
+void LocalMap::refineImaging(KeyframeReport& report) {
   const bool rolling = cameraOf(newestKeyframe()).row_time != 0.0;
   if (!config_.refine_calibration && !rolling) return;
   if (static_cast<int>(keyframes_.size()) < kCalibrationKeyframes) return;
   for (int i = 0; i < kCalibrationSteps; ++i) {
-    const CalibrationSystem system = window_.refineRowMotions();
-    if (!config_.refine_calibration || !calibration_.add(system)) return;
+    report.calibration = {calibration_.correction(), window_.refineRowMotions()};
+    if (!config_.refine_calibration || !calibration_.add(report.calibration->system)) return;
     window_.setCorrection(calibration_.correction());
     window_.optimize(config_.window.max_iterations);
     storePoses();

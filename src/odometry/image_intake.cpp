@@ -1,5 +1,6 @@
 #include "mba_vo/odometry/image_intake.h"
 
+#include <algorithm>
 #include <chrono>
 #include <sstream>
 #include <stdexcept>
@@ -31,6 +32,7 @@ void ImageIntake::setCalibration(const CameraCalibration& calibration, const Cal
   correction_ = start_ = known;
   next_builder_ = {};
   builder_ = makeBuilder(correction_);
+  repeats_.ignore(builder_->unused());
 }
 
 ImageIntake::Result ImageIntake::take(const CameraImage& image) {
@@ -84,6 +86,7 @@ void ImageIntake::build(const CameraImage& image, std::int64_t stamp_shift_ns, c
     // Without an exposure the stamp is all that is known.
     const std::int64_t mid_exposure_ns = image.exposure && !exposure ? image.stamp_ns : image.mid_exposure_ns;
     result.frame = withGain(image, mid_exposure_ns + stamp_shift_ns, exposure);
+    append(result.reason, adoptOverlay(image.image));
   } catch (const std::invalid_argument& error) {
     result.reason = error.what();
     result.contradicts_calibration = true;
@@ -110,9 +113,12 @@ void ImageIntake::reset() {
   repeats_.reset();
   white_level_ = WhiteLevel(config_.white_level);
   gain_ = {};
+  overlay_ = {};
   next_builder_ = {};
   correction_ = start_;
-  if (builder_) builder_->correct(correction_);
+  if (!builder_) return;
+  builder_->correct(correction_);
+  builder_->setOverlay({});
 }
 
 std::unique_ptr<FrameBuilder> ImageIntake::makeBuilder(const CalibrationCorrection& correction) const {
@@ -124,6 +130,7 @@ std::unique_ptr<FrameBuilder> ImageIntake::makeBuilder(const CalibrationCorrecti
 void ImageIntake::adoptCorrected() {
   if (next_builder_.valid() && next_builder_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     builder_ = next_builder_.get();
+    builder_->setOverlay(overlay_.pixels());
   }
 }
 
@@ -137,6 +144,15 @@ std::string ImageIntake::adoptWhiteLevel(const cv::Mat& image) {
   std::ostringstream text;
   text << "white is " << now << ", not " << before << " as the images so far said; image.white_level tells it at once";
   return text.str();
+}
+
+std::string ImageIntake::adoptOverlay(const cv::Mat& image) {
+  const bool was_free = overlay_.pixels().empty();
+  const bool found =
+      config_.find_overlay && overlay_.add(image, std::max(config_.white_level, white_level_.found())) && was_free;
+  builder_->setOverlay(overlay_.pixels());
+  repeats_.ignore(builder_->unused());
+  return found ? "static overlay: " + std::to_string(1e2 * shareOf(overlay_.pixels())) + " % of the image masked" : "";
 }
 
 FrameConstPtr ImageIntake::withGain(const CameraImage& image, std::int64_t mid_exposure_ns,

@@ -83,6 +83,88 @@ TEST(FrameBuilder, OverexposedImagesKeepWhatIsNotSaturated) {
   EXPECT_EQ(pyramid.level(1).intensity(10, 10), 255.0F);
 }
 
+TEST(FrameBuilder, MaskedPixelsAreNotUsed) {
+  PhotometricCalibration photometric;
+  photometric.mask = cv::Mat1b(96, 128, std::uint8_t{255});
+  photometric.mask(40, 50) = 0;
+  const cv::Mat1b image = noiseImage();
+  const ImagePyramid pyramid = FrameBuilder(undistorted(), photometric, {}).build(image, 0, 0, 0, 0.0)->pyramid;
+  EXPECT_TRUE(std::isnan(pyramid.level(0).intensity(40, 50)));
+  EXPECT_EQ(pyramid.level(0).intensity(40, 51), static_cast<float>(image(40, 51)));
+  EXPECT_TRUE(std::isnan(pyramid.level(1).intensity(20, 25)));
+  EXPECT_FALSE(std::isnan(pyramid.level(1).intensity(20, 26)));
+}
+
+TEST(FrameBuilder, NorAreRectifiedPixelsBetweenThem) {
+  CameraCalibration distorted = undistorted();
+  distorted.distortion = {-0.3, 0.1, 0.0, 0.0, 0.0};
+  PhotometricCalibration photometric;
+  photometric.mask = cv::Mat1b(96, 128, std::uint8_t{255});
+  photometric.mask(20, 30) = 0;
+  const cv::Mat1b dark(96, 128, std::uint8_t{100});
+  cv::Mat1b bright_there = dark.clone();
+  bright_there(20, 30) = 200;
+  const FrameConstPtr seen = FrameBuilder(distorted, {}, {}).build(bright_there, 0, 0, 0, 0.0);
+  const FrameConstPtr masked = FrameBuilder(distorted, photometric, {}).build(bright_there, 0, 0, 0, 0.0);
+  int touched = 0;
+  for (int y = 0; y < 96; ++y) {
+    for (int x = 0; x < 128; ++x) {
+      if (!(seen->pyramid.level(0).intensity(y, x) > 100.0F)) continue;
+      ++touched;
+      EXPECT_TRUE(std::isnan(masked->pyramid.level(0).intensity(y, x))) << x << ", " << y;
+    }
+  }
+  EXPECT_GE(touched, 1);
+  EXPECT_EQ(masked->pyramid.level(0).intensity(60, 60), 100.0F);
+}
+
+TEST(FrameBuilder, SaysWhereALargePartIsMasked) {
+  PhotometricCalibration photometric;
+  for (const int rows : {1, 20}) {
+    photometric.mask = cv::Mat1b(96, 128, std::uint8_t{255});
+    photometric.mask.rowRange(0, rows).setTo(0);
+    EXPECT_EQ(FrameBuilder(undistorted(), photometric, {}).build(noiseImage(), 0, 0, 0, 0.0)->masked, rows == 20);
+  }
+}
+
+TEST(FrameBuilder, AMaskOfAnotherSizeIsNamed) {
+  FrameBuilderConfig config;
+  config.mask_file = "bumper.png";
+  PhotometricCalibration photometric;
+  photometric.mask = cv::Mat1b(48, 64, std::uint8_t{255});
+  EXPECT_EQ(messageOf([&] { FrameBuilder(undistorted(), photometric, config); }),
+            "bumper.png: the mask is 64x48, the camera calibration says 128x96");
+}
+
+TEST(FrameBuilder, AnOverlayIsMaskedWithTheRest) {
+  PhotometricCalibration photometric;
+  photometric.mask = cv::Mat1b(96, 128, std::uint8_t{255});
+  photometric.mask(40, 50) = 0;
+  FrameBuilder builder(undistorted(), photometric, {});
+  cv::Mat1b overlay(96, 128, std::uint8_t{0});
+  overlay(10, 20) = 255;
+  builder.setOverlay(overlay);
+  const FrameConstPtr frame = builder.build(noiseImage(), 0, 0, 0, 0.0);
+  EXPECT_EQ(frame->overlay.data, overlay.data);
+  EXPECT_TRUE(std::isnan(frame->pyramid.level(0).intensity(40, 50)));
+  EXPECT_TRUE(std::isnan(frame->pyramid.level(0).intensity(10, 20)));
+  EXPECT_EQ(cv::countNonZero(builder.unused()), 2);
+  builder.setOverlay({});
+  EXPECT_EQ(cv::countNonZero(builder.unused()), 1);
+}
+
+TEST(FrameBuilder, AWhiteBumperDoesNotMakeAnImageOverexposed) {
+  cv::Mat1b image(96, 128, std::uint8_t{100});
+  const cv::Rect bumper(0, 0, 40, 40);
+  image(bumper).setTo(255);
+  image(90, 90) = 255;
+  PhotometricCalibration photometric;
+  photometric.mask = cv::Mat1b(96, 128, std::uint8_t{255});
+  photometric.mask(bumper).setTo(0);
+  const FrameConstPtr frame = FrameBuilder(undistorted(), photometric, {}).build(image, 0, 0, 0, 0.0);
+  EXPECT_EQ(frame->pyramid.level(0).intensity(90, 90), 255.0F);
+}
+
 TEST(FrameBuilder, LampsStayAsTheyAre) {
   cv::Mat1b image(96, 128, std::uint8_t{100});
   image(cv::Rect(0, 0, 10, 10)).setTo(255);

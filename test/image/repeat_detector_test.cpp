@@ -108,6 +108,25 @@ TEST_F(RepeatDetectorTest, RecompressionIsARepeat) {
   }
 }
 
+TEST_F(RepeatDetectorTest, AClockInTheImageIsNotLookedAt) {
+  const cv::Rect clock(20, 20, 60, 16);
+  cv::Mat1b unused(kHeight, kWidth, std::uint8_t{0});
+  unused(clock).setTo(255);
+  const auto withTime = [&](const cv::Mat1b& image, int time) {
+    cv::Mat1b stamped = image.clone();
+    stamped(clock).setTo(time);
+    return stamped;
+  };
+  for (const bool ignored : {false, true}) {
+    detector_.reset();
+    if (ignored) detector_.ignore(unused);
+    const double shift = walk(4, 2.0);
+    const cv::Mat1b image = exposed(shift + 2.0);
+    EXPECT_FALSE(detector_.isRepeat(withTime(image, 50)));
+    EXPECT_EQ(detector_.isRepeat(withTime(image, 90)), ignored);
+  }
+}
+
 TEST_F(RepeatDetectorTest, InColourToo) {
   const auto coloured = [&](double shift) {
     cv::Mat bgr;

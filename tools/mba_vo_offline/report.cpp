@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "mba_vo/image/static_overlay.h"
+
 void printCounts(const mba_vo::OfflineResult& result) {
   const mba_vo::FrameCounts counts = mba_vo::countFrames(result.log.frames());
   std::cout << counts.tracked << " of " << counts.frames << " frames tracked, " << counts.repeated << " repeat others, "
@@ -13,6 +15,9 @@ void printCounts(const mba_vo::OfflineResult& result) {
             << " map(s), "
             << (counts.metric_maps == 0 ? "scale arbitrary" : std::to_string(counts.metric_maps) + " in metres") << ", "
             << result.times.total << " s\n";
+  if (!result.overlay.empty()) {
+    std::cout << "static overlay: " << 1e2 * mba_vo::shareOf(result.overlay) << " % of the image masked\n";
+  }
   if (counts.tracked == 0) {
     throw std::runtime_error("no frame could be tracked; frames.csv tells why");
   }

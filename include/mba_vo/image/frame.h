@@ -16,7 +16,9 @@ struct Frame {
   std::int64_t mid_exposure_ns = 0;  // time of mid-exposure [ns]
   std::optional<double> exposure;    // [s]; nullopt = unknown, 0 = instantaneous
   ImagePyramid pyramid;
-  cv::Mat1f depth;  // z of the finest level's pixels [m], NaN = unknown; empty = none. Not to be written
+  cv::Mat1f depth;      // z of the finest level's pixels [m], NaN = unknown; empty = none. Not to be written
+  cv::Mat1b overlay;    // 255 where something covers the scene in the camera's image and is masked; empty = nowhere
+  bool masked = false;  // a large part of it, by that or by a mask
   CalibrationCorrection correction;  // of the calibration, as made
 
   double midExposureSeconds() const { return 1e-9 * static_cast<double>(mid_exposure_ns); }

@@ -18,6 +18,8 @@ struct FrameBuilderConfig {
   double gamma = 1.0;  // pixel = irradiance^(1/gamma); 1 = linear camera
   std::string response_file;
   std::string vignette_file;
+  std::string mask_file;
+  bool find_overlay = true;
   std::string learnt_file;
   double white_level = 0.0;
   double row_time = 0.0;
@@ -28,6 +30,10 @@ struct FrameBuilderConfig {
     v("gamma", c.gamma, 0.1, 10.0, "gamma of the camera, 1 = linear; ignored if response_file is set");
     v("response_file", c.response_file, "response in TUM mono form (pcalib.txt: 256 values), empty = none");
     v("vignette_file", c.vignette_file, "vignette image in TUM mono form, empty = none");
+    v("mask_file", c.mask_file,
+      "8-bit image of the size of the camera's; pixels that are 0 there are not used; empty = none");
+    v("find_overlay", c.find_overlay,
+      "find what does not move with the scene (watermark, dead pixels, parts of the vehicle), and do not use it");
     v("learnt_file", c.learnt_file,
       "what runs learn of the camera is kept in this file, and the next run begins with it; empty = forgotten");
     v("white_level", c.white_level, 0.0, 65535.0,
@@ -56,6 +62,12 @@ class FrameBuilder {
 
   /// Camera of the rectified images. Only its row time changes with a correction.
   const PinholeCamera& camera() const;
+
+  /// From the next image on, pixels of the camera's images that are not 0 in it are not used. Of their size; empty =
+  /// all of them are, but for the mask. It must not be written any more.
+  void setOverlay(const cv::Mat1b& overlay);
+  /// 255 where pixels of the camera's images are not used; empty = nowhere.
+  const cv::Mat1b& unused() const;
 
   /// `image`: 8- or 16-bit (white at 65535 unless told otherwise), 1, 3 (BGR) or 4 channels, of the calibration's size,
   /// else std::invalid_argument. `depth`: of the same pixels [m], NaN = unknown, of the same size; empty = none. It

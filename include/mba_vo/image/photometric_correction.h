@@ -13,6 +13,7 @@ inline constexpr double kSixteenBitWhite = 65535.0;  // [digital numbers]
 struct PhotometricCalibration {
   std::vector<double> inverse_response;  // 256 values, grey level -> irradiance; empty = use gamma
   cv::Mat1f vignette;                    // attenuation in (0, 1], 0 = pixel sees nothing; empty = none
+  cv::Mat1b mask;                        // of the camera's image, 0 = the pixel is not used; empty = all are
 };
 
 /// Turns camera images into irradiance in linear grey levels: black is 0, full scale in the middle of the vignette 255.

@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include <opencv2/core.hpp>
+
 #include "mba_vo/io/run_log.h"
 #include "mba_vo/io/sequence.h"
 #include "mba_vo/odometry/machine.h"
@@ -50,6 +52,7 @@ struct OfflineResult {
   std::optional<CalibrationCorrection> settled_correction;  // the last that was right for a while
   ExposureCorrection exposure_correction;  // that which was given, or, if the images contradict it, as they say
   std::vector<MapPoint> points;            // of the last map
+  cv::Mat1b overlay;                       // 255 where something covers the scene in the images; empty = nowhere
   DeblurCounts deblurring;                 // of the keyframes
   StageTimes times;
   std::size_t skipped = 0;

@@ -1,14 +1,13 @@
 #pragma once
 
-#include <string>
-
-#include "mba_vo/image/photometric_correction.h"
+#include "mba_vo/image/frame_builder.h"
 
 namespace mba_vo {
 
-/// Reads a photometric calibration in the form of the TUM monoVO data set; an empty name means none.
-/// `response_file` (pcalib.txt): 256 values, grey level -> irradiance. `vignette_file`: 8- or 16-bit grey image,
-/// attenuation relative to its brightest pixel. Throws std::runtime_error naming the file and what is wrong.
-PhotometricCalibration loadPhotometricCalibration(const std::string& response_file, const std::string& vignette_file);
+/// Reads the files that tell about the pixels of a camera; an empty name means none. In the form of the TUM monoVO data
+/// set: `response_file` (pcalib.txt): 256 values, grey level -> irradiance; `vignette_file`: 8- or 16-bit grey image,
+/// attenuation relative to its brightest pixel. `mask_file`: 8-bit image. Throws std::runtime_error naming the file and
+/// what is wrong.
+PhotometricCalibration loadPhotometricCalibration(const FrameBuilderConfig& config);
 
 }  // namespace mba_vo

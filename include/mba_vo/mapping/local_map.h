@@ -104,7 +104,7 @@ class LocalMap {
   void selectImmaturePoints(HostKeyframe& host) const;
   void marginalizeKeyframes();
   void storePoses();
-  void refineImaging();
+  void refineImaging(KeyframeReport& report);
   void keepForDisplay(KeyframeId keyframe);
   MapPoint displayPoint(const WindowPoint& point) const;
 

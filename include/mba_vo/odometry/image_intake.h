@@ -9,6 +9,7 @@
 #include "mba_vo/image/digital_gain.h"
 #include "mba_vo/image/frame_builder.h"
 #include "mba_vo/image/repeat_detector.h"
+#include "mba_vo/image/static_overlay.h"
 #include "mba_vo/image/white_level.h"
 #include "mba_vo/odometry/camera_image.h"
 #include "mba_vo/odometry/input_guard.h"
@@ -60,6 +61,8 @@ class ImageIntake {
   void adoptCorrected();
   /// Returns what is to be said of it; may be empty.
   std::string adoptWhiteLevel(const cv::Mat& image);
+  /// The same.
+  std::string adoptOverlay(const cv::Mat& image);
   /// Built with the gain that suits it.
   FrameConstPtr withGain(const CameraImage& image, std::int64_t mid_exposure_ns, const std::optional<double>& exposure);
 
@@ -78,6 +81,7 @@ class ImageIntake {
   std::uint64_t last_sequence_ = 0;
   WhiteLevel white_level_;
   DigitalGain gain_;
+  StaticOverlay overlay_;
 };
 
 }  // namespace mba_vo

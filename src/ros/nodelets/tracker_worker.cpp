@@ -18,8 +18,7 @@ constexpr double kWarnPeriod = 5.0;  // [s]
 double now() { return ros::SteadyTime::now().toSec(); }
 
 TrackerPipelineConfig pipelineConfig(const NodeConfig& config) {
-  const FrameBuilderConfig& image = config.odometry.image;
-  return {config.odometry, loadPhotometricCalibration(image.response_file, image.vignette_file),
+  return {config.odometry, loadPhotometricCalibration(config.odometry.image),
           static_cast<std::size_t>(kBytesPerMegabyte * config.image_queue_mb), true};
 }
 
