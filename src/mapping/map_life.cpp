@@ -7,7 +7,6 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kLeastNeed = 0.5;      // of a second keyframe, where 1 asks for one at any other time
 constexpr int kFramesUntilResend = 15;  // the first reference may still be on its way for a while
 
 MapperOutput saying(const std::string& message) { return {nullptr, std::nullopt, std::nullopt, message}; }
@@ -80,7 +79,8 @@ std::optional<KeyframeReport> Mapper::Impl::goAlong(const InitialMap& initial) {
   if (frames.empty()) return std::nullopt;
   const TrackedFrameConstPtr& newest = frames.back().tracked;
   const KeyframePolicy policy(config_.keyframe);
-  if (policy.need(*reference_, newest->measures, newest->brightness) < kLeastNeed) return std::nullopt;
+  if (!policy.takes(*reference_, newest->measures, newest->brightness)) return std::nullopt;
+  if (newest->measures.blur_length_px > config_.window.long_blur_px) return std::nullopt;
   store_.addFrame(*newest);
   KeyframeReport report = map_->insertKeyframe(*newest, frames.back().velocity);
   complete(report, newest);

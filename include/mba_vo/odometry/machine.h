@@ -16,7 +16,7 @@ struct Machine {
   double track_per_px = 0.1;       // and for each pixel of its blur
   double orientation = 10.0;       // the rotation of a frame is measured while there is no map
   double look_for_map = 23.0;      // the initialiser takes in a frame
-  double first_map = 150.0;        // and makes a map
+  double first_map = 180.0;        // and makes a map, with its second keyframe
   double depth_search = 3.9;       // depths are searched in a frame
   double draft = 14.0;             // a sharp keyframe is inserted, until its draft is sent
   double draft_per_px = 0.5;       // and for each pixel of its blur
