@@ -1,5 +1,6 @@
 #include "mba_vo/io/calibration_passes.h"
 
+#include <cmath>
 #include <stdexcept>
 
 namespace mba_vo {
@@ -10,6 +11,13 @@ bool changedNothing(const CalibrationStudy& study, const OfflineOptions& before)
   const CalibrationCorrection::Vector change = before.known.lacks(study.last.correction).values;
   return study.last.exposure_correction.factor == before.exposure_correction.factor &&
          (change.cwiseAbs().array() <= study.estimate.sigma().array()).all();
+}
+
+/// Whether rows are exposed one after another, as far as the estimate is sure: steps of the other numbers take the row
+/// time along by microseconds.
+bool isRolling(const CalibrationEstimate& estimate, double told_row_time) {
+  constexpr auto kRow = CalibrationCorrection::kRowTime;
+  return std::abs(told_row_time + estimate.correction[kRow]) > 3.0 * estimate.sigma()(kRow);
 }
 
 }  // namespace
@@ -34,7 +42,8 @@ CalibrationStudy studyCalibration(const CalibratedRun& run, OfflineOptions optio
     study.last = runOffline(*reader, options, run.progress);
     ++study.passes;
     const std::vector<KeyframeReport>& keyframes = study.last.log.keyframes();
-    camera.rolling = options.config.image.row_time + study.last.correction[CalibrationCorrection::kRowTime] != 0.0;
+    camera.rolling = false;
+    camera.rolling = isRolling(estimateCalibration(keyframes, keyframes.size(), camera), options.config.image.row_time);
     study.estimate = estimateCalibration(keyframes, keyframes.size(), camera);
     if (study.estimate.windows == 0) {
       throw std::runtime_error("no map held long enough to tell anything about the camera");

@@ -19,18 +19,14 @@ double Machine::secondsFor(const TrackerStep& step) const {
 }
 
 Machine::MapperSeconds Machine::secondsFor(const MapperStep& step) const {
-  MapperSeconds seconds;
-  if (step.kind == MapperStep::Kind::kDeferred) {
-    seconds.total = kSecondsPerMillisecond * deferred;
-    return seconds;
+  if (step.kind == MapperStep::Kind::kDeferred) return {0.0, kSecondsPerMillisecond * deferred};
+  if (step.kind != MapperStep::Kind::kFrame) return {};
+  if (step.output.reference && step.output.reference->cause == ReferenceCause::kMapBegins) {
+    return {0.0, kSecondsPerMillisecond * first_map};
   }
-  if (step.kind != MapperStep::Kind::kFrame) return seconds;
+  MapperSeconds seconds;
   const TrackedFrame& tracked = *step.cause.tracked;
   double ms = 0.0;
-  if (step.output.reference && step.output.reference->cause == ReferenceCause::kMapBegins) {
-    seconds.total = kSecondsPerMillisecond * first_map;
-    return seconds;
-  }
   if (tracked.status == TrackingStatus::kInitializing) {
     if (step.had_time && !step.cause.has_reference) ms += look_for_map;
   } else if (tracked.status == TrackingStatus::kLost && !tracked.blind) {

@@ -47,7 +47,7 @@ struct Machine {
   double secondsFor(const TrackerStep& step) const;
   /// [s], of one core, until the draft of a new keyframe is sent, 0 if none is, and in all.
   struct MapperSeconds {
-    double draft = 14.0;
+    double draft = 0.0;
     double total = 0.0;
   };
   MapperSeconds secondsFor(const MapperStep& step) const;
