@@ -5,8 +5,8 @@ namespace {
 
 constexpr double kMinDepthRatio = 1e-3;  // as in PatchPathMaker
 
-bool isRolling(const PinholeCamera& camera, const Vector6& velocity) {
-  return camera.row_time != 0.0 && !velocity.isZero(0.0);
+bool isRolling(const PinholeCamera& camera, const BodyMotion& motion) {
+  return camera.row_time != 0.0 && !motion.velocity.isZero(0.0);
 }
 
 }  // namespace
@@ -27,7 +27,7 @@ FixedMotionPathMaker::FixedMotionPathMaker(const PinholeCamera& reference_camera
       camera_(camera),
       moving_(trajectory.xi().squaredNorm() > 0.0),
       rolling_(isRolling(camera, rows.camera) || isRolling(reference_camera, rows.reference)),
-      reference_(RigidMotion(), rows.reference),
+      to_reference_row_(RigidMotion(), {-rows.reference.velocity, -rows.reference.acceleration}),
       T_reference_camera_(RigidMotion(trajectory.T_reference_mid), rows.camera) {
   const double half = 0.5 * trajectory.exposure;
   to_start_ = RigidMotion(SE3::exp(trajectory.motionUntil(-half)));
@@ -41,12 +41,12 @@ FixedMotionPathMaker::Moments FixedMotionPathMaker::momentsAround(const RigidMot
 }
 
 FixedMotionPathMaker::Moments FixedMotionPathMaker::momentsAt(double row, double reference_row) const {
-  const RigidMotion to_reference_row = reference_.at(-reference_camera_.rowDelay(reference_row));
+  const RigidMotion to_reference_row = to_reference_row_.at(reference_camera_.rowDelay(reference_row));
   return momentsAround(to_reference_row * T_reference_camera_.at(camera_.rowDelay(row)));
 }
 
 RigidMotion FixedMotionPathMaker::carrierAt(double reference_row) const {
-  return reference_.at(-reference_camera_.rowDelay(reference_row)) * moments_.mid;
+  return to_reference_row_.at(reference_camera_.rowDelay(reference_row)) * moments_.mid;
 }
 
 bool FixedMotionPathMaker::hit(const RigidMotion& moment, const Eigen::Vector3d& ray, double inverse_depth,

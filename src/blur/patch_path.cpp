@@ -105,13 +105,13 @@ PatchPathMaker::Moment PatchPathMaker::momentAt(const ExposureTrajectory& trajec
 }
 
 PatchPathMaker::PatchPathMaker(const PinholeCamera& reference_camera, const PinholeCamera& camera,
-                               const ExposureTrajectory& trajectory, const Vector6& reference_velocity)
+                               const ExposureTrajectory& trajectory, const BodyMotion& reference_motion)
     : reference_camera_(reference_camera),
       camera_(camera),
       moving_(trajectory.xi().squaredNorm() > 0.0),
       rolling_(camera.row_time != 0.0 || reference_camera.row_time != 0.0),
       trajectory_(trajectory),
-      reference_velocity_(reference_velocity) {
+      reference_motion_(reference_motion) {
   moments_.start = momentAt(trajectory, -0.5);
   moments_.mid = momentAt(trajectory, 0.0);
   moments_.end = momentAt(trajectory, 0.5);
@@ -126,7 +126,7 @@ PatchPathMaker::Moments PatchPathMaker::momentsAt(double row, double reference_r
   const double exposure = trajectory_.exposure;
   Moments moments;
   moments.row = delay / exposure;
-  moments.carrier = shortMotion(reference_velocity_, -reference_camera_.rowDelay(reference_row)) * moments_.carrier;
+  moments.carrier = shortMotion(-reference_motion_.until(reference_camera_.rowDelay(reference_row))) * moments_.carrier;
   // The right Jacobian is that of the velocity's share of the motion: the acceleration's, a hundredth, is neglected.
   const auto at = [&](double u) {
     const double at_row = u + moments.row;

@@ -4,6 +4,16 @@
 #include <limits>
 
 namespace mba_vo {
+namespace {
+
+Eigen::Matrix4d twistMatrix(const Vector6& twist) {
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
+  matrix.topLeftCorner<3, 3>() = hat(twist.tail<3>());
+  matrix.topRightCorner<3, 1>() = twist.head<3>();
+  return matrix;
+}
+
+}  // namespace
 
 RigidMotion shortMotion(const Vector6& xi) {
   const Eigen::Vector3d w = xi.tail<3>();
@@ -22,29 +32,32 @@ RigidMotion shortMotion(const Vector6& xi) {
   return motion;
 }
 
-MovingPose::MovingPose(const RigidMotion& T, const Vector6& velocity) {
-  Eigen::Matrix4d twist = Eigen::Matrix4d::Zero();
-  twist.topLeftCorner<3, 3>() = hat(velocity.tail<3>());
-  twist.topRightCorner<3, 1>() = velocity.head<3>();
+MovingPose::MovingPose(const RigidMotion& T, const BodyMotion& motion) {
+  const Eigen::Matrix4d V = twistMatrix(motion.velocity);
+  const Eigen::Matrix4d A = twistMatrix(motion.acceleration);
+  const Eigen::Matrix4d second = 0.5 * (V * V + A);
+  const Eigen::Matrix4d third = V * V * V / 6.0 + 0.25 * (V * A + A * V);
   c_[0] << T.R, T.p;
-  Eigen::Matrix4d power = Eigen::Matrix4d::Identity();
-  double factorial = 1.0;
-  for (std::size_t k = 1; k < c_.size(); ++k) {
-    power = (power * twist).eval();
-    factorial *= static_cast<double>(k);
-    c_[k] = T.R * power.topRows<3>() / factorial;
-  }
+  c_[1] = T.R * V.topRows<3>();
+  c_[2] = T.R * second.topRows<3>();
+  c_[3] = T.R * third.topRows<3>();
 }
 
-std::optional<RollingProjection> projectRolling(const PinholeCamera& camera, const Vector6& velocity,
+std::optional<RollingProjection> projectRolling(const PinholeCamera& camera, const BodyMotion& motion,
                                                 const Eigen::Vector3d& point) {
   constexpr int kMaxIterations = 4;  // an error shrinks by row_time times the speed of the image, at most 0.1
   constexpr double kClose = 0.02;    // [rows]
-  // The point at time t is Exp(-t v) point, here as a polynomial in t.
-  const Eigen::Vector3d w = velocity.tail<3>();
-  const Eigen::Vector3d first = -(w.cross(point) + velocity.head<3>());
-  const Eigen::Vector3d second = -0.5 * w.cross(first);
-  const Eigen::Vector3d third = -w.cross(second) / 3.0;
+  // The point at time t is Exp(-t v - t^2/2 a) point, here as a polynomial in t.
+  const auto shift = [](const Vector6& twist, const Eigen::Vector3d& at) -> Eigen::Vector3d {
+    return twist.tail<3>().cross(at) + twist.head<3>();
+  };
+  const Eigen::Vector3d w = motion.velocity.tail<3>();
+  const Eigen::Vector3d first = -shift(motion.velocity, point);
+  const Eigen::Vector3d turning = -0.5 * w.cross(first);
+  const Eigen::Vector3d accelerated = shift(motion.acceleration, point);
+  const Eigen::Vector3d second = turning - 0.5 * accelerated;
+  const Eigen::Vector3d third =
+      -w.cross(turning) / 3.0 + 0.25 * (w.cross(accelerated) - motion.acceleration.tail<3>().cross(first));
   Eigen::Vector3d seen = point;
   double row = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kMaxIterations && seen.z() > 0.0; ++i) {

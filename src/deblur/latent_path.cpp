@@ -19,9 +19,9 @@ ExposureTrajectory ownMotion(const Vector6& velocity) { return {SE3(), velocity,
 LatentPathMaker::LatentPathMaker(const BlurGeometry& geometry)
     : geometry_(geometry),
       maker_(geometry.latent_camera, geometry.camera, geometry.trajectory,
-             {geometry.trajectory.velocity, geometry.latent_velocity}),
+             {geometry.trajectory.motion(), {geometry.latent_velocity}}),
       latent_maker_(geometry.latent_camera, geometry.latent_camera, ownMotion(geometry.latent_velocity),
-                    {geometry.latent_velocity, geometry.latent_velocity}) {}
+                    {{geometry.latent_velocity}, {geometry.latent_velocity}}) {}
 
 bool LatentPathMaker::make(const Eigen::Vector2d& latent_pixel, double inverse_depth, LatentPath& result) const {
   Eigen::Vector2f pixel = latent_pixel.cast<float>();

@@ -31,8 +31,8 @@ PathStatistics measurePaths(const DeblurInput& input, const cv::Mat1f& depth) {
   const PinholeCamera& camera = input.image->level(0).camera;
   ExposureTrajectory other = input.motion;
   other.velocity = input.other_velocity.value_or(input.motion.velocity);
-  const FixedMotionPathMaker maker(camera, camera, input.motion, {input.motion.velocity, input.motion.velocity});
-  const FixedMotionPathMaker other_maker(camera, camera, other, {other.velocity, other.velocity});
+  const FixedMotionPathMaker maker(camera, camera, input.motion, {input.motion.motion(), input.motion.motion()});
+  const FixedMotionPathMaker other_maker(camera, camera, other, {other.motion(), other.motion()});
   PathStatistics result;
   std::vector<float> lengths;
   std::vector<float> differences;

@@ -74,19 +74,19 @@ ImmaturePoint makeImmaturePoint(const ImagePyramid& host, const Eigen::Vector2i&
 }
 
 DepthSearcher::DepthSearcher(const ImagePyramid& host, const ImagePyramid& frame, const ExposureTrajectory& T_host,
-                             double gain, double offset, const DepthSearchConfig& config, const Vector6& host_velocity,
+                             double gain, double offset, const DepthSearchConfig& config, const BodyMotion& host_motion,
                              const VignetteRatio& vignette)
-    : DepthSearcher(host.level(0), frame.level(0), T_host, gain, offset, config, host_velocity, vignette) {}
+    : DepthSearcher(host.level(0), frame.level(0), T_host, gain, offset, config, host_motion, vignette) {}
 
 DepthSearcher::DepthSearcher(const ImageLevel& host, const ImageLevel& frame, const ExposureTrajectory& T_host,
-                             double gain, double offset, const DepthSearchConfig& config, const Vector6& host_velocity,
+                             double gain, double offset, const DepthSearchConfig& config, const BodyMotion& host_motion,
                              const VignetteRatio& vignette)
     : host_(&host),
       frame_(&frame),
       config_(config),
       T_host_(T_host),
       T_frame_host_(T_host.T_reference_mid.inverse()),
-      T_frame_host_row_(T_frame_host_, host_velocity),
+      T_frame_host_row_(T_frame_host_, host_motion),
       gain_(gain),
       offset_(offset),
       vignette_(vignette),

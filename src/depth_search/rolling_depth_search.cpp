@@ -34,7 +34,7 @@ std::optional<double> DepthSearcher::expectedRow(const ImmaturePoint& point) con
   const Eigen::Vector3d ray = host_->camera.unproject(point.pixel.cast<double>());
   const RigidMotion T_frame_host_row = T_frame_host_row_.at(host_->camera.rowDelay(point.pixel.y()));
   const auto seen =
-      projectRolling(frame_->camera, T_host_.velocity, T_frame_host_row * Eigen::Vector3d(ray / inverse_depth));
+      projectRolling(frame_->camera, T_host_.motion(), T_frame_host_row * Eigen::Vector3d(ray / inverse_depth));
   if (!seen) return std::nullopt;
   return std::clamp(seen->pixel.y(), 0.0, static_cast<double>(frame_->camera.height - 1));
 }

@@ -45,7 +45,7 @@ StampedPose stampedPoseByNeighbours(const LocalMap& map, KeyframeId keyframe) {
 
 /// Of a keyframe's points within its exposure, median [px].
 double blurOf(const Reference& keyframe) {
-  return measureFrame(keyframe, {SE3(), keyframe.velocity, keyframe.exposure.value_or(0.0)}).blur_length_px;
+  return measureFrame(keyframe, {SE3(), keyframe.motion.velocity, keyframe.exposure.value_or(0.0)}).blur_length_px;
 }
 
 template <typename T>
@@ -136,7 +136,8 @@ void FrameRefinement::goOnFrom(const Job& job) {
   reference_ = job.reference;
   ExposureTrajectory from = job.first;
   // A keyframe's motion is known better than when it was tracked.
-  if (job.tracked->frame->mid_exposure_ns == job.reference->mid_exposure_ns) from.velocity = job.reference->velocity;
+  if (job.tracked->frame->mid_exposure_ns == job.reference->mid_exposure_ns)
+    from.velocity = job.reference->motion.velocity;
   motion_ = MotionState(from, job.tracked->frame->mid_exposure_ns);
 }
 

@@ -2,6 +2,7 @@
 
 #include "mba_vo/tracking/motion_state.h"
 #include "mba_vo/tracking/tracker.h"
+#include "mba_vo/trajectory/finite_difference_velocity.h"
 
 namespace mba_vo {
 namespace {
@@ -17,9 +18,12 @@ std::vector<InitialMap::Pose> posesForwards(const InitialMap& initial) {
   return poses;
 }
 
-Vector6 velocityBetween(const InitialMap::Pose& before, const InitialMap::Pose& after) {
-  const double seconds = after.frame->midExposureSeconds() - before.frame->midExposureSeconds();
-  return (before.T_reference_frame.inverse() * after.T_reference_frame).log() / seconds;
+BodyMotion motionAt(const std::vector<InitialMap::Pose>& poses, std::size_t i) {
+  FiniteDifferenceVelocity motion;
+  for (std::size_t k = i - 1; k <= i + 1; ++k) {
+    motion.add(poses[k].frame->mid_exposure_ns, poses[k].T_reference_frame, std::nullopt);
+  }
+  return motion.motionOfMiddle();
 }
 
 TrackingGuess guessAt(const InitialMap::Pose& pose, const Vector6& velocity, double exposure) {
@@ -41,13 +45,13 @@ std::vector<InitialFrame> trackInitialFrames(const MapperConfig& config, const I
     if (i == last) continue;
     last = i;
     const FrameConstPtr& frame = poses[i].frame;
-    const Vector6 velocity = velocityBetween(poses[i - 1], poses[i + 1]);
-    TrackingGuess guess = guessAt(poses[i], velocity, frame->exposure.value_or(config.tracker.unknown_exposure));
+    const BodyMotion motion = motionAt(poses, i);
+    TrackingGuess guess = guessAt(poses[i], motion.velocity, frame->exposure.value_or(config.tracker.unknown_exposure));
     guess.brightness = brightness;
     const auto tracked = std::make_shared<TrackedFrame>(tracker.track(first_keyframe, frame, guess));
     if (!tracked->tracked()) break;
     brightness = tracked->brightness;
-    frames.push_back({tracked, velocity});
+    frames.push_back({tracked, motion});
   }
   return frames;
 }

@@ -11,7 +11,7 @@ TrackedFrameConstPtr KeyframeSelector::add(const TrackedFrameConstPtr& frame, co
                                            const Reference& newest) {
   motion_.add(frame->frame->mid_exposure_ns, T_map_camera, measuredVelocity(*frame));
   if (candidate_) {
-    velocity_ = motion_.velocityOfMiddle();
+    taken_motion_ = motion_.motionOfMiddle();
     return std::exchange(candidate_, nullptr);
   }
   ExposureTrajectory in_newest = frame->trajectory;
@@ -21,7 +21,7 @@ TrackedFrameConstPtr KeyframeSelector::add(const TrackedFrameConstPtr& frame, co
 }
 
 TrackedFrameConstPtr KeyframeSelector::takeNow() {
-  velocity_ = motion_.velocityOfLast();
+  taken_motion_ = {motion_.velocityOfLast()};
   return std::exchange(candidate_, nullptr);
 }
 

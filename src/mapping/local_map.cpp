@@ -28,15 +28,15 @@ double millisecondsSince(Clock::time_point begin) {
 }
 
 /// As it would enter a window; its id is left open.
-WindowKeyframe windowKeyframe(const FrameConstPtr& frame, const SE3& T_map_camera, const Vector6& velocity,
+WindowKeyframe windowKeyframe(const FrameConstPtr& frame, const SE3& T_map_camera, const BodyMotion& motion,
                               const AffineBrightness& brightness) {
   WindowKeyframe keyframe;
   keyframe.original = std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid);
   keyframe.sharp = keyframe.original;
   keyframe.T_map_keyframe = T_map_camera;
-  keyframe.velocity = velocity;
+  keyframe.motion = motion;
   // Where the exposure is unknown, the image is left as if it were sharp.
-  keyframe.xi = velocity * frame->exposure.value_or(0.0);
+  keyframe.xi = motion.velocity * frame->exposure.value_or(0.0);
   keyframe.brightness = brightness;
   keyframe.correction = frame->correction;
   return keyframe;
@@ -44,7 +44,7 @@ WindowKeyframe windowKeyframe(const FrameConstPtr& frame, const SE3& T_map_camer
 
 }  // namespace
 
-LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, const Vector6& reference_velocity,
+LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, const BodyMotion& reference_motion,
                    const Place& place, TrajectoryStore& store, CalibrationEstimator& calibration)
     : config_(config),
       id_(id),
@@ -55,7 +55,7 @@ LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initi
       next_keyframe_(place.keyframe) {
   window_.setCorrection(calibration_.correction());
   const FrameConstPtr& frame = initial.reference;
-  addKeyframe(frame, windowKeyframe(frame, place.T_map_keyframe, reference_velocity, place.brightness));
+  addKeyframe(frame, windowKeyframe(frame, place.T_map_keyframe, reference_motion, place.brightness));
   for (const ReferencePoint& point : initial.points) {
     const MeasuredDepth depth{static_cast<double>(point.inverse_depth), static_cast<double>(point.variance)};
     window_.addPoint(newestKeyframe(), point.pixel.cast<double>(), depth.inverse_depth,
@@ -72,7 +72,7 @@ SE3 LocalMap::T_map_camera(const TrackedFrame& tracked) const {
 std::optional<ExposureTrajectory> LocalMap::align(const TrackedFrame& tracked) const {
   if (!config_.window.reblur_targets) return std::nullopt;
   const std::optional<KeyframeMotion> found = window_.align(
-      windowKeyframe(tracked.frame, T_map_camera(tracked), tracked.trajectory.velocity, tracked.brightness));
+      windowKeyframe(tracked.frame, T_map_camera(tracked), tracked.trajectory.motion(), tracked.brightness));
   if (!found) return std::nullopt;
   const SE3 T_map_reference = store_.T_map_keyframe(id_, tracked.reference.keyframe_id);
   const double exposure = *tracked.frame->exposure;  // known, or it would count as sharp
@@ -102,7 +102,7 @@ void LocalMap::searchDepths(const TrackedFrame& tracked) {
     const ImagePyramid& image = tracked.frame->pyramid;
     const VignetteRatio vignette(host.image->level(0).camera, host.frame->correction.lacks(calibration_.correction()),
                                  image.level(0).camera, tracked.frame->correction.lacks(calibration_.correction()));
-    const DepthSearcher searcher(*host.image, image, in_host, gain, offset, config_.depth_search, window_.velocity(id),
+    const DepthSearcher searcher(*host.image, image, in_host, gain, offset, config_.depth_search, window_.motion(id),
                                  vignette);
     const std::size_t chunks = (host.immature.size() + kPointsPerSearch - 1) / kPointsPerSearch;
     parallelFor(chunks, [&, &immature = host.immature](std::size_t chunk) {
@@ -124,10 +124,10 @@ void LocalMap::replaceImage(KeyframeId keyframe, const std::shared_ptr<const Ima
   window_.replaceImage(keyframe, sharp);
 }
 
-KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const Vector6& velocity) {
+KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const BodyMotion& motion) {
   KeyframeReport report;
   const Clock::time_point begin = Clock::now();
-  WindowKeyframe keyframe = windowKeyframe(tracked.frame, T_map_camera(tracked), velocity, tracked.brightness);
+  WindowKeyframe keyframe = windowKeyframe(tracked.frame, T_map_camera(tracked), motion, tracked.brightness);
   keyframe.blur_length_px = tracked.measures.blur_length_px;
   addKeyframe(tracked.frame, std::move(keyframe));
   window_.addResidualsTo(newestKeyframe());
@@ -258,7 +258,7 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe, const st
   reference->pyramid = keyframes_.at(keyframe).image;
   reference->image_xi = window_.imageMotion(keyframe);
   reference->brightness = window_.brightness(keyframe);
-  reference->velocity = window_.velocity(keyframe);
+  reference->motion = window_.motion(keyframe);
   reference->image_correction = keyframes_.at(keyframe).frame->correction;
   reference->correction = calibration_.correction();
   reference->settled_correction = calibration_.settled();
@@ -268,7 +268,7 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe, const st
 }
 
 StampedPose LocalMap::stampedPose(KeyframeId keyframe) const {
-  return {frame(keyframe)->mid_exposure_ns, window_.T_map_keyframe(keyframe), window_.velocity(keyframe)};
+  return {frame(keyframe)->mid_exposure_ns, window_.T_map_keyframe(keyframe), window_.motion(keyframe).velocity};
 }
 
 MapPoint LocalMap::displayPoint(const WindowPoint& point) const {

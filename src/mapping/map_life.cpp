@@ -21,16 +21,16 @@ MapperOutput Mapper::Impl::initialize(const FrameConstPtr& frame) {
   if (!calibration_) beginCalibration(frame->correction);
   std::unique_ptr<InitialMap> initial = initializer_.add(withRowTime(frame, calibration_->correction()));
   if (!initial) return saying(initializer_.reason());
-  const Vector6 velocity = referenceVelocity(*initial);
+  const BodyMotion motion = referenceMotion(*initial);
   calibration_before_map_ = *calibration_;
   initial_frames_ = initializer_.bufferedFrames();
   if (initial->row_time != 0.0) adoptRowTime(*initial);
   if (config_.refine_calibration) calibration_->add(linearizeInitialVignette(*initial, calibration_->correction()));
   map_ =
-      std::make_unique<LocalMap>(config_, next_map_id_++, *initial, velocity, LocalMap::Place(), store_, *calibration_);
+      std::make_unique<LocalMap>(config_, next_map_id_++, *initial, motion, LocalMap::Place(), store_, *calibration_);
   output.message = "map " + std::to_string(map_->id()) + " initialised with " + std::to_string(initial->points.size()) +
                    (initial->metric ? " measured points" : " points");
-  output.keyframe = begin(std::move(initial), velocity);
+  output.keyframe = begin(std::move(initial), motion);
   initializer_.reset();
   output.reference = reference_;
   return output;
@@ -50,10 +50,11 @@ void Mapper::Impl::adoptRowTime(InitialMap& initial) {
   for (FrameConstPtr& frame : initial_frames_) frame = withRowTime(frame, correction);
 }
 
-std::optional<KeyframeReport> Mapper::Impl::begin(std::unique_ptr<InitialMap> initial, const Vector6& velocity) {
+std::optional<KeyframeReport> Mapper::Impl::begin(std::unique_ptr<InitialMap> initial, const BodyMotion& motion) {
   const FrameConstPtr frame = initial->reference;
   first_keyframe_ns_ = frame->mid_exposure_ns;
-  const ExposureTrajectory start{SE3(), velocity, frame->exposure.value_or(config_.tracker.unknown_exposure)};
+  const ExposureTrajectory start{SE3(), motion.velocity, frame->exposure.value_or(config_.tracker.unknown_exposure),
+                                 motion.acceleration};
   const KeyframeId first = map_->newestKeyframe();
   reference_ = snapshot(ReferenceCause::kMapBegins, first);
   integrate(referenceItself(*reference_, frame, start), true);
@@ -82,7 +83,7 @@ std::optional<KeyframeReport> Mapper::Impl::goAlong(const InitialMap& initial) {
   if (!policy.takes(*reference_, newest->measures, newest->brightness)) return std::nullopt;
   if (newest->measures.blur_length_px > config_.window.long_blur_px) return std::nullopt;
   store_.addFrame(*newest);
-  KeyframeReport report = map_->insertKeyframe(*newest, frames.back().velocity);
+  KeyframeReport report = map_->insertKeyframe(*newest, frames.back().motion);
   complete(report, newest);
   return report;
 }

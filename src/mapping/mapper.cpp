@@ -69,7 +69,7 @@ std::optional<KeyframeReport> Mapper::Impl::integrate(const TrackedFrameConstPtr
 }
 
 KeyframeReport Mapper::Impl::insertKeyframe(const TrackedFrameConstPtr& chosen) {
-  KeyframeReport report = map_->insertKeyframe(*chosen, selector_.velocity());
+  KeyframeReport report = map_->insertKeyframe(*chosen, selector_.motion());
   if (on_draft_) on_draft_(snapshot(ReferenceCause::kKeyframe, map_->newestKeyframe(), health_.doubt()));
   complete(report, chosen);
   return report;
@@ -97,7 +97,7 @@ MapperOutput Mapper::Impl::withKeyframe(MapperOutput output) {
 
 void Mapper::Impl::deblur(const FrameConstPtr& frame, const Vector6& acceleration,
                           const std::optional<Vector6>& measured_velocity) {
-  const ExposureTrajectory motion{SE3(), reference_->velocity, frame->exposure.value_or(0.0), acceleration};
+  const ExposureTrajectory motion{SE3(), reference_->motion.velocity, frame->exposure.value_or(0.0), acceleration};
   deblurring_.offer(*map_, *reference_, frame, motion, measured_velocity);
 }
 

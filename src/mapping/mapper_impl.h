@@ -59,7 +59,7 @@ class Mapper::Impl {
   void adoptRowTime(InitialMap& initial);
   /// The first reference, with a hint about the newest frame whose pose the initialiser knows: the tracker goes on from
   /// there. Those that came before are tracked, for the trajectory, when there is time.
-  std::optional<KeyframeReport> begin(std::unique_ptr<InitialMap> initial, const Vector6& velocity);
+  std::optional<KeyframeReport> begin(std::unique_ptr<InitialMap> initial, const BodyMotion& motion);
   /// Where the camera is by now is the second keyframe, if it has moved on since the initial map's reference.
   std::optional<KeyframeReport> goAlong(const InitialMap& initial);
   /// The map is wrong. Its last poses are forgotten, all of them if it has only just begun; the tracker is told to

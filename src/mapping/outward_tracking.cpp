@@ -22,7 +22,7 @@ void degrade(TrackedFrame& tracked, const char* reason) {
 
 }  // namespace
 
-Vector6 referenceVelocity(const InitialMap& initial) {
+BodyMotion referenceMotion(const InitialMap& initial) {
   const std::int64_t origin_ns = initial.reference->mid_exposure_ns;
   const InitialMap::Pose* before = nullptr;
   const InitialMap::Pose* after = nullptr;
@@ -34,7 +34,7 @@ Vector6 referenceVelocity(const InitialMap& initial) {
   if (before) motion.add(before->frame->mid_exposure_ns, before->T_reference_frame, std::nullopt);
   motion.add(origin_ns, SE3(), std::nullopt);
   if (after) motion.add(after->frame->mid_exposure_ns, after->T_reference_frame, std::nullopt);
-  return motion.velocityOfMiddle();
+  return motion.motionOfMiddle();
 }
 
 TrackingHint newestOf(const InitialMap& initial, const ExposureTrajectory& start) {

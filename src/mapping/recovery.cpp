@@ -48,7 +48,7 @@ std::unique_ptr<LocalMap> Recovery::windowAt(const Relocalizer::Found& found, co
   initial.metric = old.isMetric();
   const SE3 T_map_keyframe = store.T_map_keyframe(old.id(), found.keyframe);
   const LocalMap::Place place{T_map_keyframe, old.newestKeyframe() + 1, known.brightness};
-  auto window = std::make_unique<LocalMap>(config_, old.id(), initial, known.velocity, place, store, calibration);
+  auto window = std::make_unique<LocalMap>(config_, old.id(), initial, known.motion, place, store, calibration);
   window->inheritPoints(old.points());
   return window;
 }

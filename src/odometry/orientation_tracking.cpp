@@ -54,7 +54,7 @@ void OrientationTracking::changeReference(const FrameConstPtr& frame, const Affi
   reference->at_infinity = true;
   reference->mid_exposure_ns = frame->mid_exposure_ns;
   reference->pyramid = std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid);
-  reference->velocity = motion_.last().velocity;
+  reference->motion.velocity = motion_.last().velocity;
   reference->image_xi = motion_.last().velocity * frame->exposure.value_or(0.0);
   reference->brightness = brightness;
   reference->image_correction = reference->correction = frame->correction;

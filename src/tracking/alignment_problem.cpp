@@ -67,7 +67,7 @@ AlignmentProblem::AlignmentProblem(const Reference& reference, const std::vector
 }
 
 std::optional<Eigen::Vector2d> AlignmentProblem::projectPoint(const ReferencePoint& point, const SE3& T_frame_reference,
-                                                              const Vector6& velocity) const {
+                                                              const BodyMotion& motion) const {
   const PinholeCamera& camera = reference_.pyramid->level(0).camera;
   const Eigen::Vector3d in_reference =
       camera.unproject(point.pixel.cast<double>()) / static_cast<double>(point.inverse_depth);
@@ -77,22 +77,22 @@ std::optional<Eigen::Vector2d> AlignmentProblem::projectPoint(const ReferencePoi
     return frame_level_.camera.project(p);
   }
   const double delay = camera.rowDelay(static_cast<double>(point.pixel.y()));
-  const Eigen::Vector3d p = T_frame_reference * (SE3::exp(delay * reference_.velocity) * in_reference);
-  const auto seen = projectRolling(frame_level_.camera, velocity, p);
+  const Eigen::Vector3d p = T_frame_reference * (SE3::exp(reference_.motion.until(delay)) * in_reference);
+  const auto seen = projectRolling(frame_level_.camera, motion, p);
   return seen ? std::optional<Eigen::Vector2d>(seen->pixel) : std::nullopt;
 }
 
 void AlignmentProblem::selectPatches(const AlignmentState& state) {
   T_selected_ = state.T_reference_mid;
   const SE3 T_frame_reference = T_selected_.inverse();
-  const Vector6 velocity = rolling_ ? Vector6(state.xi / options_.exposure) : Vector6::Zero();
+  const BodyMotion motion = rolling_ ? trajectoryOf(state).motion() : BodyMotion();
   const CommutedBlur commuted(reference_level_.camera, frame_level_.camera, T_selected_, reference_.image_xi);
   const double row_scale = reference_.pyramid->level(0).camera.fy / reference_level_.camera.fy;
   patches_.clear();
   patches_.reserve(points_.size());
   for (const int index : points_) {
     const ReferencePoint& point = reference_.points[static_cast<std::size_t>(index)];
-    const auto projection = projectPoint(point, T_frame_reference, velocity);
+    const auto projection = projectPoint(point, T_frame_reference, motion);
     if (!projection) continue;
     const Eigen::Vector2d centre(std::round(projection->x()), std::round(projection->y()));
     if (!frame_level_.camera.contains(centre, pattern_.radius)) continue;
@@ -143,11 +143,14 @@ double AlignmentProblem::stepSize(const Step& step) const {
   return std::max(motion(0), (0.5 + last_row) * motion(6));
 }
 
-PatchPathMaker AlignmentProblem::pathMaker(const AlignmentState& state) const {
+/// With a global shutter no times matter: the exposure is the unit.
+ExposureTrajectory AlignmentProblem::trajectoryOf(const AlignmentState& state) const {
   const double exposure = rolling_ ? options_.exposure : 1.0;
-  const ExposureTrajectory trajectory{state.T_reference_mid, state.xi / exposure, exposure,
-                                      state.bend / (exposure * exposure)};
-  return {reference_level_.camera, frame_level_.camera, trajectory, reference_.velocity};
+  return {state.T_reference_mid, state.xi / exposure, exposure, state.bend / (exposure * exposure)};
+}
+
+PatchPathMaker AlignmentProblem::pathMaker(const AlignmentState& state) const {
+  return {reference_level_.camera, frame_level_.camera, trajectoryOf(state), reference_.motion};
 }
 
 bool AlignmentProblem::predict(const Patch& patch, const PatchPathMaker& maker, PatchPath& path,

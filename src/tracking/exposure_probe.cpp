@@ -52,8 +52,8 @@ class Probe {
     Reference reference = reference_;
     // An image whose exposure was not known was taken for sharp.
     const bool known = tracked_.frame->exposure && !reference_.image_xi.isZero(0.0);
-    reference.image_xi =
-        known ? Vector6(exposure / *tracked_.frame->exposure * reference_.image_xi) : exposure * reference_.velocity;
+    reference.image_xi = known ? Vector6(exposure / *tracked_.frame->exposure * reference_.image_xi)
+                               : exposure * reference_.motion.velocity;
     AlignmentOptions options = options_;
     options.exposure = exposure;
     AlignmentPrior prior;

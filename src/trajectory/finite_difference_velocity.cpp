@@ -24,13 +24,20 @@ void FiniteDifferenceVelocity::add(std::int64_t mid_exposure_ns, const SE3& T_ma
   if (poses_.size() > kPoses) poses_.pop_front();
 }
 
+double FiniteDifferenceVelocity::secondsTo(std::size_t i) const {
+  return 1e-9 * static_cast<double>(poses_[i].ns - poses_[i - 1].ns);
+}
+
+Vector6 FiniteDifferenceVelocity::velocityTo(std::size_t i) const {
+  return (poses_[i - 1].T_map_camera.inverse() * poses_[i].T_map_camera).log() / secondsTo(i);
+}
+
 Vector6 FiniteDifferenceVelocity::velocityOfMiddle() const {
   Vector6 velocities = Vector6::Zero();
   int count = 0;
   for (std::size_t i = 1; i < poses_.size(); ++i) {
-    const double dt = 1e-9 * static_cast<double>(poses_[i].ns - poses_[i - 1].ns);
-    if (dt > kLongestGap) continue;
-    velocities += (poses_[i - 1].T_map_camera.inverse() * poses_[i].T_map_camera).log() / dt;
+    if (secondsTo(i) > kLongestGap) continue;
+    velocities += velocityTo(i);
     ++count;
   }
   if (count == 0) return Vector6::Zero();
@@ -47,15 +54,23 @@ Vector6 FiniteDifferenceVelocity::velocityOfMiddle() const {
   return velocity;
 }
 
+BodyMotion FiniteDifferenceVelocity::motionOfMiddle() const {
+  BodyMotion motion{velocityOfMiddle()};
+  if (poses_.size() < kPoses) return motion;
+  const double before = secondsTo(1);
+  const double after = secondsTo(2);
+  if (std::max(before, after) > kLongestGap) return motion;
+  motion.acceleration = (velocityTo(2) - velocityTo(1)) / (0.5 * (before + after));
+  return motion;
+}
+
 Vector6 FiniteDifferenceVelocity::velocityOfLast() const {
   if (poses_.empty()) return Vector6::Zero();
   const Pose& last = poses_.back();
   if (last.velocity) return *last.velocity;
   if (poses_.size() < 2) return Vector6::Zero();
-  const Pose& before = poses_[poses_.size() - 2];
-  const double dt = 1e-9 * static_cast<double>(last.ns - before.ns);
-  if (dt > kLongestGap) return Vector6::Zero();
-  return (before.T_map_camera.inverse() * last.T_map_camera).log() / dt;
+  if (secondsTo(poses_.size() - 1) > kLongestGap) return Vector6::Zero();
+  return velocityTo(poses_.size() - 1);
 }
 
 }  // namespace mba_vo

@@ -62,8 +62,8 @@ std::array<Matrix2C, 2> calibrationJacobian(const PairGeometry& pair, const Patc
   const Matrix2C at_target = lensJacobian(target, pixel);
   const auto rowsFromMiddle = [](const PinholeCamera& camera, double row) { return row - 0.5 * (camera.height - 1); };
   // As an increment of the target's pose, like J_pose.
-  const Vector6 by_row = rowsFromMiddle(target, pixel.y()) * pair.rows.camera -
-                         rowsFromMiddle(host, host_row) * (pair.T_target_host.adjoint() * pair.rows.reference);
+  const Vector6 by_row = rowsFromMiddle(target, pixel.y()) * pair.rows.camera.velocity -
+                         rowsFromMiddle(host, host_row) * (pair.T_target_host.adjoint() * pair.rows.reference.velocity);
   std::array<Matrix2C, 2> J{lensJacobian(host, path.c0.cast<double>()) - path.A0.cast<double>() * at_target,
                             -path.A1.cast<double>() * at_target};
   for (std::size_t i = 0; i < 2; ++i) J[i].col(CalibrationCorrection::kRowTime) = path.J_pose[i] * by_row;

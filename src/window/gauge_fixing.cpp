@@ -70,6 +70,7 @@ void GaugeFixing::restore(WindowState& state) const {
     scaleLength(keyframe.image_xi, scale);
     scaleLength(keyframe.velocity, scale);
     scaleLength(keyframe.expected_velocity, scale);
+    scaleLength(keyframe.acceleration, scale);
   }
   state.relinearize();
   for (PointState& point : state.points) {

@@ -46,7 +46,7 @@ std::optional<Eigen::Vector2d> projectIntoTarget(const PairGeometry& pair, const
   const PinholeCamera& target = pair.target_camera;
   const Eigen::Vector3d ray = host.unproject(host_pixel - lensShift(host, pair.lacking_host, host_pixel));
   if (host.row_time != 0.0 || target.row_time != 0.0) {
-    const RigidMotion to_row = shortMotion(pair.rows.reference, host.rowDelay(host_pixel.y()));
+    const RigidMotion to_row = shortMotion(pair.rows.reference.until(host.rowDelay(host_pixel.y())));
     const Eigen::Vector3d in_host = to_row.R * (ray / inverse_depth) + to_row.p;
     const auto seen = projectRolling(target, pair.rows.camera, pair.T_target_host * in_host);
     if (!seen) return std::nullopt;
@@ -84,7 +84,7 @@ PairGeometry makePairGeometry(const KeyframeState& host, const KeyframeState& ta
   pair.target_image = reblur_targets ? &target.original->level(0) : &target.sharp->level(0);
   pair.huber_threshold = target.huber_threshold;
   pair.precision = target.precision;
-  pair.rows = {target.velocity, host.velocity};
+  pair.rows = {target.motion(), host.motion()};
   pair.host_camera = cameraOf(*pair.host_image, host);
   pair.target_camera = cameraOf(*pair.target_image, target);
   pair.lacking_host = host.lacking;

@@ -53,7 +53,7 @@ bool isReadyToActivate(const ImmaturePoint& point) {
 
 std::vector<ReferencePoint> projectPoints(const Window& window, const std::vector<WindowPoint>& points,
                                           const PinholeCamera& camera, const SE3& T_map_camera,
-                                          const Vector6& velocity) {
+                                          const BodyMotion& motion) {
   struct Host {
     SE3 T_camera_host;
     MovingPose at_row;  // the host saw the point when its own row was read
@@ -61,7 +61,7 @@ std::vector<ReferencePoint> projectPoints(const Window& window, const std::vecto
   std::map<KeyframeId, Host> hosts;
   for (const KeyframeId id : window.keyframes()) {
     const SE3 T = T_map_camera.inverse() * window.T_map_keyframe(id);
-    hosts[id] = {T, MovingPose(RigidMotion(T), window.velocity(id))};
+    hosts[id] = {T, MovingPose(RigidMotion(T), window.motion(id))};
   }
   const bool rolling = camera.row_time != 0.0;
   std::vector<ReferencePoint> projected;
@@ -69,7 +69,7 @@ std::vector<ReferencePoint> projectPoints(const Window& window, const std::vecto
     const Eigen::Vector3d in_host = camera.unproject(point.pixel) / point.inverse_depth;
     const Host& host = hosts.at(point.host);
     const auto seen = rolling
-                          ? projectRolling(camera, velocity, host.at_row.at(camera.rowDelay(point.pixel.y())) * in_host)
+                          ? projectRolling(camera, motion, host.at_row.at(camera.rowDelay(point.pixel.y())) * in_host)
                           : see(camera, host.T_camera_host * in_host);
     if (!seen || !camera.contains(seen->pixel, kBorder)) continue;
     const Eigen::Vector2d& pixel = seen->pixel;
@@ -86,7 +86,7 @@ std::vector<ReferencePoint> projectPoints(const Window& window, const std::vecto
 
 std::vector<ReferencePoint> pointsSeenBy(const Window& window, const std::vector<WindowPoint>& points,
                                          const PinholeCamera& camera, KeyframeId keyframe) {
-  return projectPoints(window, points, camera, window.T_map_keyframe(keyframe), window.velocity(keyframe));
+  return projectPoints(window, points, camera, window.T_map_keyframe(keyframe), window.motion(keyframe));
 }
 
 }  // namespace mba_vo

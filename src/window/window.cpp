@@ -18,8 +18,7 @@
 namespace mba_vo {
 namespace {
 
-// Gauge: the pose of the first keyframe and the scale of the first window cannot be observed, so the strength of the
-// priors that hold them does not change the estimate.
+// Gauge: nothing observes the first keyframe's pose and the first window's scale; any strong prior holds them.
 constexpr double kPoseAnchor = 1e10;        // information of the first pose [1/m^2, 1/rad^2]
 constexpr double kScalePrior = 1e10;        // information of the log of the scale
 constexpr double kBrightnessAnchor = 1e10;  // information of the first keyframe's a and b
@@ -96,7 +95,8 @@ KeyframeState Window::Impl::stateOf(const WindowKeyframe& keyframe) const {
   added.sharp = keyframe.sharp;
   added.original = keyframe.original;
   added.image_xi = keyframe.image_xi;
-  added.velocity = added.expected_velocity = keyframe.velocity;
+  added.velocity = added.expected_velocity = keyframe.motion.velocity;
+  added.acceleration = keyframe.motion.acceleration;
   added.blur_length_px = keyframe.blur_length_px;
   added.xi = keyframe.xi;
   added.correction = keyframe.correction;
@@ -279,7 +279,7 @@ SE3 Window::T_map_keyframe(KeyframeId id) const {
   return impl_->state_.keyframe(impl_->state_.indexOf(id)).T_map_keyframe();
 }
 
-Vector6 Window::velocity(KeyframeId id) const { return impl_->state_.keyframe(impl_->state_.indexOf(id)).velocity; }
+BodyMotion Window::motion(KeyframeId id) const { return impl_->state_.keyframe(impl_->state_.indexOf(id)).motion(); }
 
 Vector6 Window::imageMotion(KeyframeId id) const { return impl_->state_.keyframe(impl_->state_.indexOf(id)).image_xi; }
 

@@ -45,7 +45,7 @@ TEST(DepthSearch, KnowsWhatImagesLackOfTheVignette) {
         }
       }
       const ImagePyramid frame(image, kCamera, 1);
-      const DepthSearcher searcher(host, frame, T_host, 1.0, 0.0, {}, Vector6::Zero(), vignette);
+      const DepthSearcher searcher(host, frame, T_host, 1.0, 0.0, {}, {}, vignette);
       for (ImmaturePoint& point : points) searcher.search(point);
     }
     return evaluateDepths(scene, points, 0.02);

@@ -75,7 +75,7 @@ TEST(KeyframeDeblur, TheSharpImageTakesThePlaceOfTheBlurredOne) {
   EXPECT_EQ(given.sequence, output.sharp_keyframe->frame->sequence);
   EXPECT_EQ(given.image, first.pyramid);
   EXPECT_EQ(given.motion.exposure, kExposure);
-  EXPECT_EQ(given.motion.velocity, first.velocity);
+  EXPECT_EQ(given.motion.velocity, first.motion.velocity);
   EXPECT_EQ(given.depths.size(), first.points.size());
 
   ASSERT_TRUE(output.reference) << "the tracker is given it at once";

@@ -121,11 +121,11 @@ TEST(ReferenceVelocity, ComesFromTheNeighboursOfTheReferenceInTime) {
         i == 4 || i == 6 ? SE3::exp(1e-9 * static_cast<double>((i - 5) * kInterval) * v) : SE3::exp(2.0 * v);
     map.poses.push_back({frameAt(i * kInterval), pose});
   }
-  EXPECT_LT((referenceVelocity(map) - v).norm(), 1e-9);
+  EXPECT_LT((referenceMotion(map).velocity - v).norm(), 1e-9);
   map.poses.erase(map.poses.begin() + 3, map.poses.end());  // the reference is the newest frame
-  EXPECT_LT((referenceVelocity(map) - v).norm(), 1e-9);
+  EXPECT_LT((referenceMotion(map).velocity - v).norm(), 1e-9);
   map.poses.clear();
-  EXPECT_EQ(referenceVelocity(map).norm(), 0.0);
+  EXPECT_EQ(referenceMotion(map).velocity.norm(), 0.0);
 }
 
 }  // namespace

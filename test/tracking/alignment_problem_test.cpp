@@ -154,7 +154,7 @@ TEST(AlignmentProblem, ThePredictedPoseWeighsByTheResidualsAndTheExpectedXiDoesN
 TEST(AlignmentProblem, GradientHoldsWithARollingShutter) {
   test::Random random(8);
   const SmoothScene scene = makeScene(Vector6::Zero(), 1e-4);
-  scene.reference->velocity = random.tangent(0.3, 0.5);
+  scene.reference->motion = {random.tangent(0.3, 0.5), random.tangent(3.0, 5.0)};
   AlignmentOptions options = smoothOptions();
   Eigen::VectorXd largest = Eigen::VectorXd::Zero(AlignmentProblem::kStates);
   for (const int level : {0, 1}) {

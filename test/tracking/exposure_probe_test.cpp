@@ -57,7 +57,7 @@ TEST(ExposureProbe, TakesAReferenceWithBlurAsExposedAsLong) {
   const SimulatedFrame blurred = test::roomSimulator().renderExposure(
       test::constantVelocity(referenceView().T_world_mid, velocity), 0.0, kExposure, 6);
   const auto reference = test::makeReference(referenceView(), test::toFloat(blurred.blurred));
-  reference->velocity = velocity;
+  reference->motion.velocity = velocity;
   // Half the exposure was believed, or it was not known and the image taken for sharp.
   for (const double believed : {0.5 * kExposure, 0.0}) {
     reference->image_xi = believed * velocity;

@@ -102,6 +102,21 @@ TEST(FiniteDifferenceVelocity, MeasuredVelocitiesCorrectForChangesOfAcceleration
   EXPECT_NEAR(turnOfMiddle(turn, 0.0), kExposure * 1.0, 1e-9);
 }
 
+TEST(FiniteDifferenceVelocity, TheAccelerationIsThatOfAConstantOne) {
+  const JerkyTurn turn{1.0, -20.0, 0.0};
+  FiniteDifferenceVelocity motion;
+  EXPECT_EQ(motion.motionOfMiddle().acceleration.norm(), 0.0);
+  for (const double step : {-1.0, 0.0, 1.5}) {
+    const auto ns = static_cast<std::int64_t>(step * static_cast<double>(kInterval));
+    EXPECT_EQ(motion.motionOfMiddle().acceleration.norm(), 0.0) << "fewer than three poses";
+    motion.add(ns, turn.pose(seconds(ns)), std::nullopt);
+  }
+  EXPECT_NEAR(motion.motionOfMiddle().acceleration(4), turn.acceleration, 1e-6);
+  EXPECT_EQ(motion.motionOfMiddle().velocity, motion.velocityOfMiddle());
+  motion.add(2'000'000'000, SE3(), std::nullopt);
+  EXPECT_EQ(motion.motionOfMiddle().acceleration.norm(), 0.0) << "too long ago";
+}
+
 TEST(FiniteDifferenceVelocity, ACommonErrorOfTheMeasuredVelocitiesFades) {
   // A reference's error comes back through the velocities measured against it: it must come back smaller.
   const JerkyTurn turn{1.0, -20.0, 3000.0};

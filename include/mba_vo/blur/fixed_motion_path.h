@@ -38,7 +38,7 @@ class FixedMotionPathMaker {
   PinholeCamera camera_;
   bool moving_;
   bool rolling_;
-  MovingPose reference_;           // where its row was, relative to its middle row
+  MovingPose to_reference_row_;    // of the reference: its middle row relative to another
   MovingPose T_reference_camera_;  // of mid-exposure in the camera's rows
   RigidMotion to_start_, to_end_;  // of the exposure, from its middle
   Moments moments_;                // of the middle rows

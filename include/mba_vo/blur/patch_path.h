@@ -52,11 +52,11 @@ void applySlope(const Eigen::Vector2d& slope, const Eigen::Vector2d& anchor, Pat
 /// Makes the paths of many patches for one exposure trajectory (relative to the reference); what depends on the
 /// trajectory alone is computed once. With a rolling shutter (PinholeCamera::row_time) the rows of the patch's centre
 /// and of the point in the reference stand for the whole patch, and the exposure must not be 0. The rows of the camera
-/// follow the trajectory with its acceleration; the reference is taken to have none.
+/// follow the trajectory, those of the reference its `reference_motion`.
 class PatchPathMaker {
  public:
   PatchPathMaker(const PinholeCamera& reference_camera, const PinholeCamera& camera,
-                 const ExposureTrajectory& trajectory, const Vector6& reference_velocity = Vector6::Zero());
+                 const ExposureTrajectory& trajectory, const BodyMotion& reference_motion = {});
 
   /// Path of the patch around `pixel` of the blurred image on the plane of `inverse_depth` in the reference. Returns
   /// false if any part of the path is behind a camera. `reference_row`: of the point, for a rolling shutter.
@@ -81,7 +81,7 @@ class PatchPathMaker {
   bool moving_;
   bool rolling_;
   ExposureTrajectory trajectory_;
-  Vector6 reference_velocity_;
+  BodyMotion reference_motion_;
   Matrix6 first_order_, second_order_;  // J_r(u xi) = I + u (first + u second), for a rolling shutter
   Moments moments_;                     // of the middle rows
 };

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "mba_vo/geometry/body_motion.h"
 #include "mba_vo/geometry/pinhole_camera.h"
 #include "mba_vo/geometry/se3.h"
 
@@ -29,11 +30,11 @@ RigidMotion shortMotion(const Vector6& xi);
 /// Exp(t v), t [s].
 inline RigidMotion shortMotion(const Vector6& velocity, double t) { return shortMotion(t * velocity); }
 
-/// T Exp(t v) for many short times t: a cubic in t.
+/// T Exp(t v + t^2/2 a) for many short times t: a cubic in t.
 class MovingPose {
  public:
-  MovingPose() : MovingPose(RigidMotion(), Vector6::Zero()) {}
-  MovingPose(const RigidMotion& T, const Vector6& velocity);
+  MovingPose() : MovingPose(RigidMotion(), BodyMotion()) {}
+  MovingPose(const RigidMotion& T, const BodyMotion& motion);
   RigidMotion at(double t) const {
     const Coefficient pose = c_[0] + t * (c_[1] + t * (c_[2] + t * c_[3]));
     return {pose.leftCols<3>(), pose.col(3)};
@@ -44,12 +45,10 @@ class MovingPose {
   std::array<Coefficient, 4> c_;
 };
 
-/// How camera and reference move while their rows are read out [m/s, rad/s, each in its own axes]. The camera is at
-/// T_reference_camera Exp(t v) when the row is exposed that comes t after the middle row, acceleration being neglected.
-/// No matter with a global shutter.
+/// How camera and reference move while their rows are read out: each around the time of its middle row. No matter with
+/// a global shutter.
 struct RowMotion {
-  Vector6 camera = Vector6::Zero();
-  Vector6 reference = Vector6::Zero();
+  BodyMotion camera, reference;
 };
 
 /// Where and how deep a camera with a rolling shutter sees a point.
@@ -59,9 +58,8 @@ struct RollingProjection {
 };
 
 /// `point` in the camera's axes at the time of the middle row. The row decides when the point is seen, and the time
-/// where: a fixed point. Acceleration is neglected: this place only chooses a pixel, or a row. nullopt if the point is
-/// behind the camera.
-std::optional<RollingProjection> projectRolling(const PinholeCamera& camera, const Vector6& velocity,
+/// where: a fixed point. nullopt if the point is behind the camera.
+std::optional<RollingProjection> projectRolling(const PinholeCamera& camera, const BodyMotion& motion,
                                                 const Eigen::Vector3d& point);
 
 }  // namespace mba_vo

@@ -65,9 +65,9 @@ class DepthSearcher {
  public:
   /// `T_host`: the frame's exposure trajectory relative to the host. `gain`, `offset`: expected frame intensity = gain
   /// * host intensity + offset. The pyramids must outlive the searcher.
-  /// `host_velocity`: for a rolling shutter. `vignette`: of the two images.
+  /// `host_motion`: for a rolling shutter. `vignette`: of the two images.
   DepthSearcher(const ImagePyramid& host, const ImagePyramid& frame, const ExposureTrajectory& T_host, double gain,
-                double offset, const DepthSearchConfig& config, const Vector6& host_velocity = Vector6::Zero(),
+                double offset, const DepthSearchConfig& config, const BodyMotion& host_motion = {},
                 const VignetteRatio& vignette = {});
 
   /// Safe to call from several threads for different points.
@@ -93,7 +93,7 @@ class DepthSearcher {
   };
 
   DepthSearcher(const ImageLevel& host, const ImageLevel& frame, const ExposureTrajectory& T_host, double gain,
-                double offset, const DepthSearchConfig& config, const Vector6& host_velocity,
+                double offset, const DepthSearchConfig& config, const BodyMotion& host_motion,
                 const VignetteRatio& vignette);
   /// With a rolling shutter, each point and each row of the frame has a relative pose of its own.
   void searchRolling(ImmaturePoint& point) const;

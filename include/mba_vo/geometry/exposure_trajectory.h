@@ -1,5 +1,6 @@
 #pragma once
 
+#include "mba_vo/geometry/body_motion.h"
 #include "mba_vo/geometry/se3.h"
 
 namespace mba_vo {
@@ -14,8 +15,9 @@ struct ExposureTrajectory {
 
   /// Pose at time t [s] after mid-exposure.
   SE3 at(double t) const { return T_reference_mid * SE3::exp(motionUntil(t)); }
+  BodyMotion motion() const { return {velocity, acceleration}; }
   /// Log(T_mid^-1 T(t)).
-  Vector6 motionUntil(double t) const { return t * velocity + 0.5 * t * t * acceleration; }
+  Vector6 motionUntil(double t) const { return motion().until(t); }
   SE3 start() const { return at(-0.5 * exposure); }
   SE3 end() const { return at(0.5 * exposure); }
   /// Motion over the whole exposure, Log(T_start^-1 T_end), exact without acceleration [m, rad].

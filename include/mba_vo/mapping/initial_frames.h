@@ -11,7 +11,7 @@ namespace mba_vo {
 /// A frame that was tracked from the pose which the initial map knows of it.
 struct InitialFrame {
   TrackedFrameConstPtr tracked;
-  Vector6 velocity;  // by the poses before and after [m/s, rad/s, body frame]
+  BodyMotion motion;  // by the poses before and after
 };
 
 /// A few frames that lead from the initial map's reference to where the camera is by now, the newest but one at the

@@ -22,7 +22,7 @@ class KeyframeSelector {
   /// is all there is to go on with. Null if none waits.
   TrackedFrameConstPtr takeNow();
   /// Of the frame that `add` or `takeNow` returned [m/s, rad/s, body frame].
-  Vector6 velocity() const { return velocity_; }
+  const BodyMotion& motion() const { return taken_motion_; }
   /// A frame was tracked again.
   void revise(const TrackedFrameConstPtr& frame);
   /// Begins anew, with the camera at this pose.
@@ -32,7 +32,7 @@ class KeyframeSelector {
  private:
   KeyframePolicy policy_;
   FiniteDifferenceVelocity motion_;
-  Vector6 velocity_ = Vector6::Zero();
+  BodyMotion taken_motion_;
   TrackedFrameConstPtr candidate_;  // becomes a keyframe with the next frame
 };
 

@@ -36,8 +36,8 @@ class LocalMap {
     KeyframeId keyframe = 0;
     AffineBrightness brightness;
   };
-  /// Begins with the initial map's reference, moving at `reference_velocity`, as first keyframe.
-  LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, const Vector6& reference_velocity,
+  /// Begins with the initial map's reference, moving by `reference_motion`, as first keyframe.
+  LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, const BodyMotion& reference_motion,
            const Place& place, TrajectoryStore& store, CalibrationEstimator& calibration);
 
   MapId id() const { return id_; }
@@ -63,9 +63,9 @@ class LocalMap {
   /// Refines the depths of all immature points with a tracked frame.
   void searchDepths(const TrackedFrame& tracked);
 
-  /// Makes the tracked frame, which moved at `velocity`, a keyframe and activates points. It can serve as a reference
+  /// Makes the tracked frame, which moved by `motion`, a keyframe and activates points. It can serve as a reference
   /// from then on.
-  KeyframeReport insertKeyframe(const TrackedFrame& tracked, const Vector6& velocity);
+  KeyframeReport insertKeyframe(const TrackedFrame& tracked, const BodyMotion& motion);
   /// Makes it a better one: optimises the window, marginalises, selects new points. Completes the report.
   void refineWindow(KeyframeReport& report);
 

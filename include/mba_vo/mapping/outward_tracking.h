@@ -14,7 +14,7 @@ namespace mba_vo {
 class LocalMap;
 
 /// Velocity of the initial map's reference frame [m/s, rad/s] by the poses next to it in time.
-Vector6 referenceVelocity(const InitialMap& initial);
+BodyMotion referenceMotion(const InitialMap& initial);
 
 /// Where the newest frame is whose pose the initial map knows: that of the reference itself, `start`, if there is none
 /// after it.

@@ -103,7 +103,8 @@ class AlignmentProblem {
 
   void selectPatches(const AlignmentState& state);
   std::optional<Eigen::Vector2d> projectPoint(const ReferencePoint& point, const SE3& T_frame_reference,
-                                              const Vector6& velocity) const;
+                                              const BodyMotion& motion) const;
+  ExposureTrajectory trajectoryOf(const AlignmentState& state) const;
   PatchPathMaker pathMaker(const AlignmentState& state) const;
   /// False if the path leaves the reference.
   bool predict(const Patch& patch, const PatchPathMaker& maker, PatchPath& path, ReblurredPatch& predicted) const;

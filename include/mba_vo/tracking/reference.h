@@ -68,7 +68,7 @@ struct Reference {
   SE3 T_map_reference;
   std::shared_ptr<const ImagePyramid> pyramid;
   Vector6 image_xi = Vector6::Zero();                       // motion blur left in the image, 0 = sharp [m, rad]
-  Vector6 velocity = Vector6::Zero();                       // while the rows of a rolling shutter are read [m/s, rad/s]
+  BodyMotion motion;                                        // while the rows of a rolling shutter are read
   AffineBrightness brightness;                              // of the reference image
   CalibrationCorrection image_correction;                   // of the calibration, that its image was made with
   CalibrationCorrection correction;                         // that new images should be made with

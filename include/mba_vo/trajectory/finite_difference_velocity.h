@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <optional>
 
+#include "mba_vo/geometry/body_motion.h"
 #include "mba_vo/geometry/se3.h"
 #include "mba_vo/tracking/tracked_frame.h"
 
@@ -26,6 +28,8 @@ class FiniteDifferenceVelocity {
   /// Of the last but one frame [m/s, rad/s, body frame]. Zero if fewer than two poses are known, or those on both sides
   /// are too far away in time.
   Vector6 velocityOfMiddle() const;
+  /// The same with the acceleration, that of a constant one through the three poses; 0 if there are fewer.
+  BodyMotion motionOfMiddle() const;
   /// Of the last frame, while none after it is known: as measured, else as between it and the one before.
   Vector6 velocityOfLast() const;
 
@@ -35,6 +39,10 @@ class FiniteDifferenceVelocity {
     SE3 T_map_camera;
     std::optional<Vector6> velocity;
   };
+  /// From the pose before the one of number i: time, and the velocity on the way.
+  double secondsTo(std::size_t i) const;
+  Vector6 velocityTo(std::size_t i) const;
+
   std::deque<Pose> poses_;
 };
 

@@ -70,7 +70,7 @@ struct WindowKeyframe {
   Vector6 xi = Vector6::Zero();        // motion within its exposure, camera frame
   Vector6 image_xi = Vector6::Zero();  // motion blur left in `sharp`, 0 = none [m, rad]
   AffineBrightness brightness;
-  Vector6 velocity = Vector6::Zero();  // while the rows of a rolling shutter are read [m/s, rad/s]
+  BodyMotion motion{};                 // while the rows of a rolling shutter are read
   double blur_length_px = 0.0;         // median over the points it sees
   CalibrationCorrection correction{};  // of the calibration, that the images were made with
 };
@@ -161,7 +161,7 @@ class Window {
 
   std::vector<KeyframeId> keyframes() const;  // by age, oldest first
   SE3 T_map_keyframe(KeyframeId id) const;
-  Vector6 velocity(KeyframeId id) const;
+  BodyMotion motion(KeyframeId id) const;
   /// The motion blur left in the image that the keyframe has as a host, 0 = none [m, rad].
   Vector6 imageMotion(KeyframeId id) const;
   AffineBrightness brightness(KeyframeId id) const;

@@ -28,6 +28,7 @@ struct KeyframeState {
   Vector6 image_xi = Vector6::Zero();  // motion blur left in `sharp`, 0 = none [m, rad]
   Vector6 velocity = Vector6::Zero();  // while it is exposed, and the rows of a rolling shutter are read [m/s, rad/s]
   Vector6 expected_velocity = Vector6::Zero();  // by the motion before and after
+  Vector6 acceleration = Vector6::Zero();       // likewise [m/s^2, rad/s^2]
   CalibrationCorrection correction;             // of the calibration, that the images were made with
   CalibrationCorrection lacking;                // what is to be added to it, as is known now
   SE3 T_linear;
@@ -39,6 +40,7 @@ struct KeyframeState {
   float precision = 1.0F;  // of residuals into it: one over their squared spread [1 / grey level^2]
 
   double exposure() const { return velocity.isZero(0.0) ? 0.0 : xi.norm() / velocity.norm(); }  // [s]
+  BodyMotion motion() const { return {velocity, acceleration}; }
   double readoutTime() const;  // from the first row to the last, as is known now [s]
   /// Sets xi, and what is known by it.
   void setMotion(const Vector6& motion);
