@@ -17,7 +17,10 @@ find_package(catkin REQUIRED COMPONENTS cv_bridge geometry_msgs image_transport 
 add_message_files(FILES ExposureMotion.msg ExposureStamped.msg MapperStatus.msg ReferenceSummary.msg Status.msg
   TrackedFrameSummary.msg)
 generate_messages(DEPENDENCIES ${MBA_VO_MESSAGE_PACKAGES})
-catkin_package(INCLUDE_DIRS include CATKIN_DEPENDS message_runtime roscpp ${MBA_VO_MESSAGE_PACKAGES})
+catkin_package(
+  INCLUDE_DIRS include
+  CATKIN_DEPENDS message_runtime nav_msgs nodelet roscpp sensor_msgs std_srvs ${MBA_VO_MESSAGE_PACKAGES}
+  CFG_EXTRAS mba_vo-library.cmake)
 
 function(mba_vo_ros_target target)
   mba_vo_options(${target})
@@ -67,5 +70,5 @@ set_target_properties(${programs} PROPERTIES
   RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
 
 if(MBA_VO_TESTS)
-  include(MbaVoRosTests)
+  include(cmake/MbaVoRosTests.cmake)
 endif()

@@ -38,4 +38,30 @@ mba_vo_rostest(play_bag TIMEOUT 520 SOURCES ${ros_test_folder}/demo_sequence.cpp
   ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
 mba_vo_rostest(deblurring TIMEOUT 320 SOURCES ${ros_test_folder}/demo_sequence.cpp DEPENDS mba_vo_evaluation
   ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
-set_tests_properties(mba_vo_rostest_deblurring PROPERTIES DEPENDS mba_vo_rostest_play_bag)  # which makes the bag
+mba_vo_rostest(lifecycle TIMEOUT 520 SOURCES ${ros_test_folder}/demo_sequence.cpp ${ros_test_folder}/sequence_camera.cpp
+  DEPENDS mba_vo_evaluation ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
+set_tests_properties(mba_vo_rostest_deblurring mba_vo_rostest_lifecycle PROPERTIES
+  DEPENDS mba_vo_rostest_play_bag)  # which makes the bag
+
+add_test(NAME bad_bags COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/bad_bags_test.py
+  ${CMAKE_CURRENT_SOURCE_DIR}/tools/ros/play_bag)
+set_tests_properties(bad_bags PROPERTIES TIMEOUT 300 ENVIRONMENT "${ros_test_environment}")
+
+# Nodes of the package as it is installed and moved elsewhere by test/package/package_test.cmake.
+set(installed ${CMAKE_CURRENT_BINARY_DIR}/.package_test/moved)
+set(installed_environment
+  "ROS_IP=127.0.0.1"
+  "ROS_HOME=${CMAKE_CURRENT_BINARY_DIR}/ros_home"
+  "ROS_PACKAGE_PATH=${installed}/share:/usr/share"
+  "CMAKE_PREFIX_PATH=${installed}"
+  "LD_LIBRARY_PATH=${installed}/lib"
+  "PYTHONPATH=${installed}/${PYTHON_INSTALL_DIR}")
+add_test(NAME mba_vo_rostest_install_space COMMAND ${PYTHON_EXECUTABLE} ${MBA_VO_ROSTEST} --text
+  ${ros_test_folder}/install_space.test)
+set_tests_properties(mba_vo_rostest_install_space PROPERTIES
+  TIMEOUT 320 FIXTURES_REQUIRED installed_package ENVIRONMENT "${installed_environment}")
+
+find_program(MBA_VO_CATKIN_LINT catkin_lint)
+if(MBA_VO_CATKIN_LINT)
+  add_test(NAME catkin_lint COMMAND ${MBA_VO_CATKIN_LINT} -W1 --strict --offline --quiet ${CMAKE_CURRENT_SOURCE_DIR})
+endif()

@@ -24,7 +24,7 @@ ros=(
   python3-std-msgs python3-std-srvs python3-tf2-msgs rosbash rosout rospack-tools
 )
 rviz=(rviz)
-checks=(ccache clang-format clang-tidy shellcheck)
+checks=(catkin-lint ccache clang-format clang-tidy shellcheck)
 
 usage() { sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; }
 

@@ -1,6 +1,4 @@
 // Learns the calibration of a camera from a recording, a folder or a bag, without any target. Needs no ROS master.
-#include <unistd.h>
-
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -10,7 +8,6 @@
 #include <CLI/CLI.hpp>
 
 #include "mba_vo/io/calibration_report.h"
-#include "mba_vo/io/progress_bar.h"
 #include "mba_vo/odometry/config_yaml.h"
 #include "plot.h"
 #include "recording.h"
@@ -55,7 +52,7 @@ void run(const Arguments& a) {
   mba_vo::CalibratedRun passes;
   passes.open = [&] {
     auto reader = openSequence(a.recording);
-    bar = std::make_unique<mba_vo::ProgressBar>(std::cerr, reader->size(), isatty(STDERR_FILENO) == 1);
+    bar = progressBar(a.recording, *reader);
     return reader;
   };
   passes.progress = [&](std::size_t done) { bar->update(done); };

@@ -1,5 +1,7 @@
 // Deblurs the images of a recorded sequence along the motion that a run of mba_vo_offline found, or along the true one
 // of a simulated sequence, and measures the result where sharp images are known.
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -21,6 +23,7 @@
 #include "mba_vo/evaluation/image_quality.h"
 #include "mba_vo/image/white_level.h"
 #include "mba_vo/io/photometric_files.h"
+#include "mba_vo/io/progress_bar.h"
 #include "mba_vo/io/sequence.h"
 #include "mba_vo/io/trajectory_writer.h"
 #include "mba_vo/odometry/config_yaml.h"
@@ -106,8 +109,15 @@ class DeblurRun {
   }
 
   void run() {
+    processAll();
+    finish();
+  }
+
+ private:
+  void processAll() {
     std::deque<Loaded> window;
     std::size_t first = 0;  // position of the window's first image
+    mba_vo::ProgressBar bar(std::cerr, blurred_->size(), isatty(STDERR_FILENO) == 1);
     for (std::size_t i = 0; i < blurred_->size(); ++i) {
       while (first + window.size() <= i + kReach && load(window)) {
       }
@@ -117,11 +127,10 @@ class DeblurRun {
       }
       if (i - first >= window.size()) break;
       if (i % arguments_.every == 0 && window[i - first].frame) process(window, i - first);
+      bar.update(i + 1);
     }
-    finish();
   }
 
- private:
   void finish() const {
     for (const Picture& p : pictures_) {
       save(fs::path(arguments_.output) / ("compare_" + p.name + ".png"), p.side_by_side);

@@ -1,6 +1,5 @@
 // Compares a run, as published and as saved, or a single trajectory with ground truth: ATE, RPE, rotation error,
 // availability, consistency, dropped frames, motion within the exposure.
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <stdexcept>
@@ -14,6 +13,7 @@
 #include "mba_vo/evaluation/report_writer.h"
 #include "mba_vo/evaluation/run_report_writer.h"
 #include "mba_vo/evaluation/trajectory_plot.h"
+#include "mba_vo/io/trajectory_writer.h"
 
 namespace {
 
@@ -24,6 +24,7 @@ struct Arguments {
   std::string frames_file;
   std::string plot_file;
   std::string yaml_file;
+  double time_offset = 0.0;  // [s]
   mba_vo::RunOptions options;
 };
 
@@ -53,6 +54,10 @@ void describe(CLI::App& app, Arguments& arguments) {
       ->delimiter(',')
       ->check(CLI::Range(0.0, 1e6))
       ->needs(run);
+  app.add_option("--time-offset", arguments.time_offset,
+                 "by how much the stamps of the ground truth are late [s]; it is taken off them")
+      ->capture_default_str()
+      ->check(CLI::Range(-1e10, 1e10));
   app.add_option("--max-difference", options.max_time_difference,
                  "between the times of an estimate and its ground truth [s]")
       ->capture_default_str()
@@ -67,17 +72,15 @@ void describe(CLI::App& app, Arguments& arguments) {
   app.add_option("--yaml", arguments.yaml_file, "write all figures to this file");
 }
 
-template <typename Write>
-void writeFile(const std::string& file, const Write& write) {
-  std::ofstream stream(file);
-  write(stream);
-  if (!stream.flush()) {
-    throw std::runtime_error(file + ": cannot be written");
-  }
+/// By the clock of the estimate.
+std::vector<mba_vo::PoseRecord> readGroundTruth(const Arguments& arguments) {
+  std::vector<mba_vo::PoseRecord> poses = mba_vo::readPoseFile(arguments.groundtruth_file);
+  for (mba_vo::PoseRecord& pose : poses) pose.time -= arguments.time_offset;
+  return poses;
 }
 
 void evaluateSingle(const Arguments& arguments) {
-  const auto groundtruth = mba_vo::readPoseFile(arguments.groundtruth_file);
+  const auto groundtruth = readGroundTruth(arguments);
   const auto estimate = mba_vo::readPoseFile(arguments.estimate_file);
   const auto frames =
       arguments.frames_file.empty() ? std::vector<mba_vo::LoggedFrame>() : mba_vo::readFrameLog(arguments.frames_file);
@@ -88,7 +91,7 @@ void evaluateSingle(const Arguments& arguments) {
     mba_vo::plotTrajectory(arguments.plot_file, groundtruth, report);
   }
   if (!arguments.yaml_file.empty()) {
-    writeFile(arguments.yaml_file, [&](std::ostream& out) { mba_vo::writeYaml(report, out); });
+    mba_vo::writeFile(arguments.yaml_file, [&](std::ostream& out) { mba_vo::writeYaml(report, out); });
   }
 }
 
@@ -104,7 +107,7 @@ std::vector<mba_vo::PlottedEstimate> plottedEstimates(const mba_vo::RunReport& r
 }
 
 void evaluateRunFolder(const Arguments& arguments) {
-  const auto groundtruth = mba_vo::readPoseFile(arguments.groundtruth_file);
+  const auto groundtruth = readGroundTruth(arguments);
   const bool exposures = groundtruth.front().exposure.has_value();
   const mba_vo::RunFolder run = mba_vo::readRunFolder(
       arguments.run_folder, exposures ? mba_vo::SmoothedForm::kExposures : mba_vo::SmoothedForm::kPoses);
@@ -114,7 +117,7 @@ void evaluateRunFolder(const Arguments& arguments) {
     mba_vo::plotTrajectories(arguments.plot_file, groundtruth, plottedEstimates(report));
   }
   if (!arguments.yaml_file.empty()) {
-    writeFile(arguments.yaml_file, [&](std::ostream& out) { mba_vo::writeRunYaml(report, out); });
+    mba_vo::writeFile(arguments.yaml_file, [&](std::ostream& out) { mba_vo::writeRunYaml(report, out); });
   }
 }
 

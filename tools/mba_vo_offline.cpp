@@ -1,6 +1,4 @@
 // Runs the odometry over a recorded sequence, a folder or a bag, and writes what it found. Needs no ROS master.
-#include <unistd.h>
-
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -15,7 +13,6 @@
 #include "mba_vo/io/calibrated_run.h"
 #include "mba_vo/io/camera_memory.h"
 #include "mba_vo/io/faulty_sequence.h"
-#include "mba_vo/io/progress_bar.h"
 #include "mba_vo/io/run_writer.h"
 #include "mba_vo/io/trajectory_writer.h"
 #include "mba_vo/odometry/config_yaml.h"
@@ -90,7 +87,7 @@ mba_vo::OfflineResult runOver(const Arguments& a, const mba_vo::OfflineOptions& 
   mba_vo::CalibratedRun run;
   run.open = [&] {
     auto reader = openRecording(a, faults);
-    bar = std::make_unique<mba_vo::ProgressBar>(std::cerr, reader->size(), isatty(STDERR_FILENO) == 1);
+    bar = progressBar(a.recording, *reader);
     return reader;
   };
   run.progress = [&](std::size_t done) { bar->update(done); };

@@ -1,5 +1,6 @@
 #include "mba_vo/io/camera_memory.h"
 
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -7,6 +8,8 @@
 #include <vector>
 
 #include <yaml-cpp/yaml.h>
+
+#include "mba_vo/io/trajectory_writer.h"
 
 namespace mba_vo {
 namespace {
@@ -96,6 +99,7 @@ void CameraMemory::keep(const CalibrationCorrection& correction) {
   root["camera"] = describe(*calibration_, image_);
   root["correction"] = std::vector<double>(correction.values.data(), correction.values.data() + Correction::kDim);
   const std::string unfinished = image_.learnt_file + ".part";
+  errno = 0;
   std::ofstream out(unfinished);
   out << "# What mba_vo has learnt of this camera. Delete the file to begin anew.\n"
       << "# correction: focal length (relative), centre x, y (focal lengths), k1, k2, row time [s], and the "
@@ -105,7 +109,7 @@ void CameraMemory::keep(const CalibrationCorrection& correction) {
   out.close();
   std::error_code error;
   if (out) std::filesystem::rename(unfinished, image_.learnt_file, error);
-  if (!out || error) throw std::runtime_error(image_.learnt_file + ": cannot be written");
+  if (!out || error) throw std::runtime_error(cannotBeWritten(image_.learnt_file));
 }
 
 }  // namespace mba_vo

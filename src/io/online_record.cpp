@@ -1,5 +1,6 @@
 #include "mba_vo/io/online_record.h"
 
+#include <cerrno>
 #include <filesystem>
 #include <stdexcept>
 
@@ -9,8 +10,9 @@ namespace mba_vo {
 namespace {
 
 std::ofstream open(const std::filesystem::path& file) {
+  errno = 0;
   std::ofstream stream(file);
-  if (!stream) throw std::runtime_error(file.string() + ": cannot be written");
+  if (!stream) throw std::runtime_error(cannotBeWritten(file.string()));
   return stream;
 }
 
@@ -31,6 +33,7 @@ OnlineRecord::OnlineRecord(const std::string& folder) : folder_(folder) {
 
 void OnlineRecord::add(const PublishedImage& image) {
   const FrameRecord record = recordOf(image);
+  errno = 0;
   writeFrame(record, frames_file_);
   if (record.online) {
     trajectory_->write(record.mid_exposure_ns, record.online->map, record.online->T_map_camera);
@@ -38,7 +41,7 @@ void OnlineRecord::add(const PublishedImage& image) {
   }
   // A run that is killed leaves what it has published.
   if (!frames_file_.flush() || !trajectory_file_.flush() || !odometry_file_.flush()) {
-    throw std::runtime_error(folder_ + ": what is published can no longer be written down: is the disk full?");
+    throw std::runtime_error(cannotBeWritten(folder_) + "; what is published is no longer written down");
   }
 }
 

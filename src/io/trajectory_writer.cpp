@@ -1,10 +1,12 @@
 #include "mba_vo/io/trajectory_writer.h"
 
+#include <cerrno>
 #include <fstream>
 #include <iomanip>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 namespace mba_vo {
@@ -78,13 +80,19 @@ void writeOnlineOdometry(const std::vector<FrameRecord>& frames, std::ostream& o
 }
 
 void writeFile(const std::string& file, const std::function<void(std::ostream&)>& write) {
+  errno = 0;
   std::ofstream stream(file);
   if (stream) {
     write(stream);
   }
   if (!stream.flush()) {
-    throw std::runtime_error(file + ": cannot be written");
+    throw std::runtime_error(cannotBeWritten(file));
   }
+}
+
+std::string cannotBeWritten(const std::string& file) {
+  const int reason = errno;
+  return file + ": cannot be written" + (reason == 0 ? "" : ": " + std::generic_category().message(reason));
 }
 
 }  // namespace mba_vo

@@ -1,5 +1,6 @@
 #include "mba_vo/mapping/mapper.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "mapper_impl.h"
@@ -17,6 +18,8 @@ Mapper::Impl::Impl(const MapperConfig& config, DraftCallback on_draft, std::shar
       deblurring_(config, std::move(deblurrer)) {}
 
 MapperOutput Mapper::Impl::process(const TrackedFrameConstPtr& frame, bool has_time) {
+  // The tracker may know a map of a mapper that was there before this one.
+  if (!map_) next_map_id_ = std::max(next_map_id_, frame->reference.map_id + 1);
   if (!map_) return frame->blind || !has_time ? MapperOutput() : initialize(frame->frame);
   if (frame->frame->mid_exposure_ns <= last_.mid_exposure_ns) return revise(frame);
   // A tracker that was lost for so long that it gave up its reference reports INITIALIZING.

@@ -13,14 +13,20 @@ namespace mba_vo {
 
 BagImageWriter::BagImageWriter(const std::string& file, const CameraCalibration& calibration,
                                StampReference stamp_reference)
-    : camera_info_(cameraInfoFromCalibration(calibration)), stamp_reference_(stamp_reference) {
-  try {
-    bag_.open(file, rosbag::bagmode::Write);
-  } catch (const rosbag::BagException& error) {
-    throw std::runtime_error("bag '" + file + "' cannot be written: " + error.what());
-  }
-  bag_.setCompression(rosbag::compression::LZ4);  // bz2 would read back at a few images a second
+    : file_(file),
+      bag_(std::make_unique<rosbag::Bag>()),
+      camera_info_(cameraInfoFromCalibration(calibration)),
+      stamp_reference_(stamp_reference) {
+  guarded([&] { bag_->open(file_, rosbag::bagmode::Write); });
+  bag_->setCompression(rosbag::compression::LZ4);  // bz2 would read back at a few images a second
   header_.frame_id = "camera_optical";
+}
+
+BagImageWriter::~BagImageWriter() {
+  try {
+    if (bag_) close();
+  } catch (const std::runtime_error&) {  // who wants to know calls close()
+  }
 }
 
 void BagImageWriter::write(std::int64_t mid_exposure_ns, std::optional<double> exposure, const cv::Mat& image) {

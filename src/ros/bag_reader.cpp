@@ -8,6 +8,7 @@
 #include <sensor_msgs/CompressedImage.h>
 
 #include "bag_topics.h"
+#include "mba_vo/ros/bag_errors.h"
 #include "mba_vo/ros/camera_info.h"
 #include "mba_vo/ros/depth_lookup.h"
 #include "mba_vo/ros/exposure_lookup.h"
@@ -30,7 +31,7 @@ class BagReader final : public SequenceReader {
       if (!topics_.depth.empty()) depth_images_.addQuery(bag_, rosbag::TopicQuery(topics_.depth));
       next_depth_ = depth_images_.begin();
     } catch (const rosbag::BagException& error) {
-      throw std::runtime_error("bag '" + file + "' cannot be read: " + error.what());
+      throw cannotRead(file, error);
     }
   }
 
@@ -47,8 +48,7 @@ class BagReader final : public SequenceReader {
       findDepth(image);
       return image;
     } catch (const rosbag::BagException& error) {
-      throw std::runtime_error("bag '" + file_ + "' is broken at image " + std::to_string(sequence_) + ": " +
-                               error.what());
+      throw std::runtime_error("image " + std::to_string(sequence_) + ": " + cannotRead(file_, error).what());
     }
   }
 

@@ -1,10 +1,12 @@
 #include "mba_vo/simulation/folder_sink.h"
 
+#include <cerrno>
 #include <cstdio>
 #include <filesystem>
 #include <iomanip>
 #include <sstream>
 #include <stdexcept>
+#include <system_error>
 
 #include <opencv2/imgcodecs.hpp>
 
@@ -13,9 +15,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// With the reason that the system gave, if it gave one since errno was set to 0.
+std::runtime_error cannotWrite(const std::string& file) {
+  const int reason = errno;
+  return std::runtime_error("cannot write '" + file + "'" +
+                            (reason == 0 ? "" : ": " + std::generic_category().message(reason)));
+}
+
 std::ofstream openForWriting(const std::string& file) {
+  errno = 0;
   std::ofstream out(file);
-  if (!out) throw std::runtime_error("cannot write '" + file + "'");
+  if (!out) throw cannotWrite(file);
   out << std::fixed;
   return out;
 }
@@ -110,17 +120,17 @@ void FolderSink::writeImage(const std::string& subfolder, const SimulatedFrame& 
   std::error_code error;
   fs::create_directories(folder_ + "/" + subfolder, error);
   const std::string file = folder_ + "/" + subfolder + fileName(frame, "png");
-  if (error || !cv::imwrite(file, image, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
-    throw std::runtime_error("cannot write '" + file + "'");
-  }
+  errno = error.value();
+  if (error || !cv::imwrite(file, image, {cv::IMWRITE_PNG_COMPRESSION, 1})) throw cannotWrite(file);
 }
 
 void FolderSink::writeJpeg(const SimulatedFrame& frame) const {
   const std::string file = folder_ + "/images" + fileName(frame, "jpg");
+  errno = 0;
   std::ofstream out(file, std::ios::binary);
   out.write(reinterpret_cast<const char*>(frame.jpeg.data()), static_cast<std::streamsize>(frame.jpeg.size()));
   out.close();
-  if (!out) throw std::runtime_error("cannot write '" + file + "'");
+  if (!out) throw cannotWrite(file);
 }
 
 void FolderSink::finish() {

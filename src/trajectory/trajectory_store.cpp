@@ -121,8 +121,9 @@ std::vector<TrajectoryEntry> TrajectoryStore::entries() const {
                                     frame.acceleration.cast<double>()};
     entries.push_back({frame.sequence, frame.stamp_ns, frame.mid_exposure_ns, frame.map_id, in_map, frame.degraded});
   }
-  std::sort(entries.begin(), entries.end(),
-            [](const auto& l, const auto& r) { return l.mid_exposure_ns < r.mid_exposure_ns; });
+  std::sort(entries.begin(), entries.end(), [](const auto& l, const auto& r) {
+    return std::pair(l.map_id, l.mid_exposure_ns) < std::pair(r.map_id, r.mid_exposure_ns);
+  });
   return entries;
 }
 

@@ -4,6 +4,7 @@
 
 #include "io/temporary_folder.h"
 #include "mba_vo/io/frames_csv.h"
+#include "mba_vo/io/online_record.h"
 #include "mba_vo/io/progress_bar.h"
 #include "mba_vo/io/run_writer.h"
 #include "mba_vo/io/trajectory_writer.h"
@@ -139,6 +140,45 @@ TEST(RunWriter, PlacesThatCannotBeWrittenAreNamed) {
   EXPECT_THAT(messageOf([&] { writeRun(folder.file("run"), {}, {}); }), HasSubstr("frames.csv: cannot be written"));
 }
 
+TEST(RunWriter, AFullDiskIsNamed) {
+  const auto few = [](std::ostream& out) { out << "a line\n"; };
+  const auto many = [](std::ostream& out) { out << std::string(1000000, ' '); };
+  for (const auto& content : {std::function<void(std::ostream&)>(few), std::function<void(std::ostream&)>(many)}) {
+    EXPECT_EQ(messageOf([&] { writeFile("/dev/full", content); }),
+              "/dev/full: cannot be written: No space left on device");
+  }
+  EXPECT_EQ(messageOf([&] { writeFile("/nonexistent/file", few); }),
+            "/nonexistent/file: cannot be written: No such file or directory");
+}
+
+TEST(OnlineRecord, AFullDiskIsNamed) {
+  const TemporaryFolder folder;
+  for (const char* name : {"online_trajectory.txt", "online_odometry.txt"}) folder.write(name, "");
+  std::filesystem::create_symlink("/dev/full", folder.file("frames.csv"));
+  OnlineRecord record(folder.file(""));
+  PublishedImage rejected;
+  rejected.step.kind = TrackerStep::Kind::kRejected;
+  EXPECT_THAT(messageOf([&] { record.add(rejected); }), HasSubstr("cannot be written: No space left on device"));
+}
+
+TEST(ProgressBar, TellsTheTimeLeft) {
+  EXPECT_EQ(timeLeft(0, 100, 0.0), "? left");
+  EXPECT_EQ(timeLeft(20, 100, 16.2), "1:05 left");
+  EXPECT_EQ(timeLeft(1, 7211, 1.0), "2:00:10 left");
+  EXPECT_EQ(timeLeft(100, 100, 65.0), "in 1:05");
+}
+
+TEST(ProgressBar, WhatIsLeftOutDoesNotCount) {
+  std::ostringstream text;
+  {
+    ProgressBar bar(text, 12, true, 10);
+    bar.update(10);
+    EXPECT_EQ(text.str(), "");
+    bar.update(11);
+  }
+  EXPECT_THAT(text.str(), HasSubstr(" 1/2, "));
+}
+
 TEST(ProgressBar, DrawsOnlyWhenEnabled) {
   std::ostringstream off;
   std::ostringstream on;
@@ -149,6 +189,7 @@ TEST(ProgressBar, DrawsOnlyWhenEnabled) {
   }
   EXPECT_EQ(off.str(), "");
   EXPECT_THAT(on.str(), HasSubstr("1/2"));
+  EXPECT_THAT(on.str(), HasSubstr(" left"));
   EXPECT_THAT(on.str(), HasSubstr("2/2"));
 }
 

@@ -61,6 +61,18 @@ TEST(Mapper, TheFirstReferenceTellsWhereItsFrameIs) {
   EXPECT_EQ(trajectory.back().frame_sequence - trajectory.front().frame_sequence + 1, trajectory.size());
 }
 
+TEST(Mapper, MapsOfAMapperThatWasThereBeforeAreNotNumberedAgain) {
+  Mapper mapper(config());
+  ReferenceId of_before;
+  of_before.map_id = 7;
+  MapperOutput output;
+  for (std::size_t i = 0; i < frames().size() && !output.reference; ++i) {
+    output = mapper.process(report(frames()[i], TrackingStatus::kTracking, of_before));
+  }
+  ASSERT_NE(output.reference, nullptr);
+  EXPECT_EQ(output.reference->id.map_id, 8U);
+}
+
 TEST(Mapper, AResultOfAnotherMapIsReportedAndNotUsed) {
   Mapper mapper(config());
   const Initialised initial = initialise(mapper);

@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include <geometry_msgs/PoseStamped.h>
 #include <gtest/gtest.h>
@@ -220,6 +221,45 @@ TEST_F(BagTest, MissingAndBrokenFilesAreNamed) {
   std::ofstream(file_) << "this is no bag";
   EXPECT_NE(errorOf({}).find(file_), std::string::npos);
   EXPECT_THROW(makeBagSink("/nonexistent/folder/x.bag", testCalibration()), std::runtime_error);
+}
+
+TEST_F(BagTest, BagsThatAreCutOffAskForReindexing) {
+  BagImageWriter writer(file_, testCalibration(), StampReference::kMiddle);
+  for (int i = 0; i < 5; ++i) writer.write(kStart + i * kInterval, std::nullopt, testImage(i));
+  writer.close();
+  const auto whole = std::filesystem::file_size(file_);
+  for (const std::uintmax_t cut : {std::uintmax_t{10}, whole / 3, whole - 5000}) {
+    std::filesystem::resize_file(file_, whole - cut);
+    EXPECT_NE(errorOf({}).find("'rosbag reindex " + file_ + "' saves what is in it"), std::string::npos) << errorOf({});
+  }
+  std::filesystem::resize_file(file_, 0);
+  EXPECT_EQ(errorOf({}).find("reindex"), std::string::npos) << errorOf({});
+}
+
+TEST_F(BagTest, BagsOfARecorderThatWasKilledAskForReindexing) {
+  BagImageWriter writer(file_, testCalibration(), StampReference::kMiddle);
+  writer.write(kStart, std::nullopt, testImage(0));
+  writer.close();
+  std::stringstream bytes;
+  bytes << std::ifstream(file_).rdbuf();
+  std::string unindexed = bytes.str();  // where the index is, is written when the recording ends
+  const std::size_t position = unindexed.find("index_pos=") + std::string("index_pos=").size();
+  unindexed.replace(position, sizeof(std::uint64_t), sizeof(std::uint64_t), '\0');
+  std::ofstream(file_) << unindexed;
+  EXPECT_NE(errorOf({}).find("rosbag reindex"), std::string::npos) << errorOf({});
+}
+
+TEST_F(BagTest, AFullDiskIsNamed) {
+  std::string message;
+  try {
+    BagImageWriter writer("/dev/full", testCalibration(), StampReference::kMiddle);
+    for (int i = 0; i < 5; ++i) writer.write(kStart + i * kInterval, std::nullopt, testImage(i));
+    writer.close();
+  } catch (const std::runtime_error& error) {
+    message = error.what();
+  }
+  EXPECT_EQ(message.find("bag '/dev/full' cannot be written: "), 0U) << message;
+  EXPECT_NE(message.find("No space left on device"), std::string::npos) << message;
 }
 
 TEST_F(BagTest, TimesThatABagCannotHoldAreRefused) {

@@ -129,6 +129,17 @@ TEST(TrajectoryStore, KeepsMapsApart) {
   EXPECT_LT(distance(entries[1].trajectory.T_reference_mid, in_second), 1e-12);
 }
 
+TEST(TrajectoryStore, MapsOfAClockThatBeganAnewDoNotInterleave) {
+  TrajectoryStore store;
+  for (const MapId map : {1U, 2U}) {
+    store.setKeyframePose(map, 0, SE3());
+    for (std::uint64_t i = 0; i < 3; ++i) store.addFrame(trackedAt(10 * map + i, 100 * (i + 1), map, 0, SE3()));
+  }
+  std::vector<std::uint64_t> frames;
+  for (const TrajectoryEntry& entry : store.entries()) frames.push_back(entry.frame_sequence);
+  EXPECT_EQ(frames, (std::vector<std::uint64_t>{10, 11, 12, 20, 21, 22}));
+}
+
 TEST(TrajectoryStore, ForgetsTheLastPosesOfAMap) {
   TrajectoryStore store;
   for (KeyframeId id = 0; id < 3; ++id) store.setKeyframePose(1, id, SE3());

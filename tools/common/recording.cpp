@@ -1,6 +1,10 @@
 #include "recording.h"
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <filesystem>
+#include <iostream>
 #include <stdexcept>
 #include <utility>
 
@@ -106,6 +110,11 @@ void describeRecording(CLI::App& app, RecordingArguments& a) {
 
 std::optional<double> exposureOverride(const RecordingArguments& a) {
   return a.exposure == "auto" ? std::nullopt : std::optional<double>(std::stod(a.exposure));
+}
+
+std::unique_ptr<mba_vo::ProgressBar> progressBar(const RecordingArguments& a, const mba_vo::SequenceReader& reader) {
+  const std::size_t end = a.frames > 0 ? std::min(reader.size(), a.skip + a.frames) : reader.size();
+  return std::make_unique<mba_vo::ProgressBar>(std::cerr, end, isatty(STDERR_FILENO) == 1, a.skip);
 }
 
 std::unique_ptr<mba_vo::SequenceReader> openSequence(const RecordingArguments& a) {

@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "mba_vo/io/progress_bar.h"
 #include "mba_vo/io/sequence.h"
 
 /// What recording a program reads, and how: options that programs have in common.
@@ -31,6 +32,9 @@ void describeRecording(CLI::App& app, RecordingArguments& a);
 
 /// For all images [s]; nullopt = as recorded.
 std::optional<double> exposureOverride(const RecordingArguments& a);
+
+/// On the terminal, if there is one, for the images of `reader` that are to be taken.
+std::unique_ptr<mba_vo::ProgressBar> progressBar(const RecordingArguments& a, const mba_vo::SequenceReader& reader);
 
 /// From its beginning. Throws std::runtime_error naming what is missing or wrong.
 std::unique_ptr<mba_vo::SequenceReader> openSequence(const RecordingArguments& a);

@@ -42,7 +42,7 @@ struct EvaluationReport {
   double relative_interval = 1.0;       // [s]
   std::vector<PosePair> pairs;          // aligned
   std::size_t unmatched_estimates = 0;  // of the evaluated map, without ground truth
-  std::string clock_hint;               // if most of the estimate lies outside the time of the ground truth
+  std::string clock_hint;               // if the clocks seem to differ
   int map = 0;                          // that is evaluated
   std::size_t maps = 1;
   std::size_t poses_in_other_maps = 0;  // not evaluated, counted as dropped

@@ -17,7 +17,7 @@ class OnlineRecord {
   /// be written.
   explicit OnlineRecord(const std::string& folder);
 
-  /// Throws std::runtime_error naming the folder if the disk is full.
+  /// Throws std::runtime_error naming the folder and the reason if that fails: the disk is full.
   void add(const PublishedImage& image);
 
  private:

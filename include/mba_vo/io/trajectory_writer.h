@@ -43,7 +43,12 @@ void writeOnlineOdometry(const std::vector<FrameRecord>& frames, std::ostream& o
 /// Seconds with nine decimals, exact.
 std::string formatSeconds(std::int64_t nanoseconds);
 
-/// Makes `file` of what `write` puts into the stream. Throws std::runtime_error naming the file if that fails.
+/// Makes `file` of what `write` puts into the stream. Throws std::runtime_error naming the file and the reason (a full
+/// disk, permissions) if that fails.
 void writeFile(const std::string& file, const std::function<void(std::ostream&)>& write);
+
+/// "FILE: cannot be written", with the reason that the system gave for the last call that failed, if errno has one. To
+/// be set to 0 before.
+std::string cannotBeWritten(const std::string& file);
 
 }  // namespace mba_vo

@@ -35,7 +35,7 @@ class TrajectoryStore {
   void forget(MapId map, KeyframeId from_keyframe);
   SE3 T_map_keyframe(MapId map, KeyframeId keyframe) const;
 
-  /// All frames by time.
+  /// All frames, map by map, those of a map by time: a clock that begins anew must not mix maps.
   std::vector<TrajectoryEntry> entries() const;
 
  private:

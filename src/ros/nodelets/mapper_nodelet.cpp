@@ -72,6 +72,7 @@ class MapperNodelet final : public nodelet::Nodelet {
   }
 
   std::string save(const std::vector<TrajectoryEntry>& trajectory) const {
+    if (trajectory.empty()) throw std::runtime_error("there is no pose to save: no image has been tracked yet");
     const std::filesystem::path folder = std::filesystem::absolute(output_directory_);
     std::error_code error;
     std::filesystem::create_directories(folder, error);

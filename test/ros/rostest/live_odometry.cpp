@@ -2,13 +2,18 @@
 
 #include <cstdlib>
 #include <stdexcept>
+#include <utility>
 
 #include <std_srvs/Empty.h>
-#include <std_srvs/Trigger.h>
 
 namespace mba_vo {
 
-LiveOdometry::LiveOdometry(const std::string& ns, const std::string& input) : nh_(ns), loader_(false) {
+LiveOdometry::LiveOdometry(const std::string& ns, const std::string& input, std::shared_ptr<nodelet::Loader> manager)
+    : nh_(ns),
+      remappings_{{ns + "/image", input + "/image_raw"},
+                  {ns + "/camera_info", input + "/camera_info"},
+                  {ns + "/exposure", input + "/exposure"}},
+      manager_(manager ? std::move(manager) : std::make_shared<nodelet::Loader>(false)) {
   listen("odometry", &Outputs::odometry);
   listen("pose", &Outputs::pose);
   listen("exposure_motion", &Outputs::exposure_motion);
@@ -25,14 +30,24 @@ LiveOdometry::LiveOdometry(const std::string& ns, const std::string& input) : nh
     outputs_.transforms.insert(outputs_.transforms.end(), message->transforms.begin(), message->transforms.end());
   };
   subscribers_.push_back(nh_.subscribe<tf2_msgs::TFMessage>("/tf", 1000, on_tf));
+  load("mapping");
+  load("tracking");
+}
 
-  const ros::M_string remappings = {{ns + "/image", input + "/image_raw"},
-                                    {ns + "/camera_info", input + "/camera_info"},
-                                    {ns + "/exposure", input + "/exposure"}};
-  if (!loader_.load(ns + "/mapping", "mba_vo/Mapper", remappings, {}) ||
-      !loader_.load(ns + "/tracking", "mba_vo/Tracker", remappings, {})) {
-    throw std::runtime_error("the nodelets cannot be loaded");
-  }
+LiveOdometry::~LiveOdometry() {
+  manager_->unload(nh_.resolveName("tracking"));
+  manager_->unload(nh_.resolveName("mapping"));
+}
+
+void LiveOdometry::load(const std::string& name) {
+  const std::string type = name == "mapping" ? "mba_vo/Mapper" : "mba_vo/Tracker";
+  if (!manager_->load(nh_.resolveName(name), type, remappings_, {}))
+    throw std::runtime_error(type + " cannot be loaded");
+}
+
+void LiveOdometry::restart(const std::string& name) {
+  if (!manager_->unload(nh_.resolveName(name))) throw std::runtime_error(name + " cannot be ended");
+  load(name);
 }
 
 template <typename Message>
@@ -85,9 +100,10 @@ bool LiveOdometry::reset() {
   return ros::service::call(nh_.resolveName("reset"), service);
 }
 
-bool LiveOdometry::saveTrajectory() {
+std_srvs::TriggerResponse LiveOdometry::askForTrajectory() {
   std_srvs::Trigger service;
-  return ros::service::call(nh_.resolveName("save_trajectory"), service) && service.response.success != 0;
+  if (!ros::service::call(nh_.resolveName("save_trajectory"), service)) service.response.message = "no answer";
+  return service.response;
 }
 
 std::uint64_t finishedImages(const Status& status) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include <ros/ros.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/PointCloud2.h>
+#include <std_srvs/Trigger.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include "mba_vo/ros/intra_process_messages.h"
@@ -40,8 +42,14 @@ struct Outputs {
 /// Both nodelets in this process, and ears on all their topics.
 class LiveOdometry {
  public:
-  /// `input`: namespace of the camera's topics.
-  LiveOdometry(const std::string& ns, const std::string& input);
+  /// `input`: namespace of the camera's topics. `manager`: that other nodelets are in, too; null = one of its own.
+  LiveOdometry(const std::string& ns, const std::string& input, std::shared_ptr<nodelet::Loader> manager = nullptr);
+  ~LiveOdometry();
+  LiveOdometry(const LiveOdometry&) = delete;
+  LiveOdometry& operator=(const LiveOdometry&) = delete;
+
+  /// Ends the nodelet `name`, "mapping" or "tracking", and loads it again.
+  void restart(const std::string& name);
 
   Outputs outputs() const;
   /// Newest status; a default one if none came yet.
@@ -52,14 +60,17 @@ class LiveOdometry {
   bool waitUntilDone(std::uint64_t images, double timeout) const;
   bool reset();
   /// Asks for the trajectory; its folder is the parameter output_directory.
-  bool saveTrajectory();
+  bool saveTrajectory() { return askForTrajectory().success != 0; }
+  std_srvs::TriggerResponse askForTrajectory();
 
  private:
+  void load(const std::string& name);
   template <typename Message>
   void listen(const std::string& topic, std::vector<boost::shared_ptr<const Message>> Outputs::*list);
 
   ros::NodeHandle nh_;
-  nodelet::Loader loader_;
+  ros::M_string remappings_;
+  std::shared_ptr<nodelet::Loader> manager_;
   mutable std::mutex mutex_;
   Outputs outputs_;
   std::vector<ros::Subscriber> subscribers_;
