@@ -4,6 +4,11 @@ file(GLOB ros_unit_tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/
 mba_vo_test(mba_vo_ros_test SOURCES ${ros_unit_tests} DEPENDS mba_vo_ros)
 mba_vo_ros_target(mba_vo_ros_test)
 
+add_test(NAME mba_vo_exposure_relay
+  COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/exposure_relay_test.py)
+set_tests_properties(mba_vo_exposure_relay PROPERTIES TIMEOUT 120
+  ENVIRONMENT "PYTHONPATH=${CATKIN_DEVEL_PREFIX}/${PYTHON_INSTALL_DIR}:$ENV{PYTHONPATH}")
+
 find_program(MBA_VO_ROSTEST rostest)
 if(NOT MBA_VO_ROSTEST)
   message(STATUS "rostest not found: the tests with a ROS master are left out")
