@@ -38,7 +38,7 @@ function(mba_vo_rostest name)
   set_tests_properties(mba_vo_rostest_${name} PROPERTIES RUN_SERIAL TRUE TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT "${ros_test_environment}")
 endfunction()
 
-mba_vo_rostest(bad_input TIMEOUT 320)
+mba_vo_rostest(bad_input TIMEOUT 320 SOURCES ${ros_test_folder}/bad_topics_test.cpp)
 mba_vo_rostest(play_bag TIMEOUT 520 SOURCES ${ros_test_folder}/demo_sequence.cpp DEPENDS mba_vo_evaluation
   ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
 mba_vo_rostest(deblurring TIMEOUT 320 SOURCES ${ros_test_folder}/demo_sequence.cpp DEPENDS mba_vo_evaluation

@@ -8,7 +8,8 @@
 
 namespace mba_vo {
 
-LiveOdometry::LiveOdometry(const std::string& ns, const std::string& input) : nh_(ns), loader_(false) {
+LiveOdometry::LiveOdometry(const std::string& ns, const std::string& input, bool with_mapper)
+    : nh_(ns), loader_(false) {
   listen("odometry", &Outputs::odometry);
   listen("pose", &Outputs::pose);
   listen("exposure_motion", &Outputs::exposure_motion);
@@ -29,7 +30,7 @@ LiveOdometry::LiveOdometry(const std::string& ns, const std::string& input) : nh
   const ros::M_string remappings = {{ns + "/image", input + "/image_raw"},
                                     {ns + "/camera_info", input + "/camera_info"},
                                     {ns + "/exposure", input + "/exposure"}};
-  if (!loader_.load(ns + "/mapping", "mba_vo/Mapper", remappings, {}) ||
+  if ((with_mapper && !loader_.load(ns + "/mapping", "mba_vo/Mapper", remappings, {})) ||
       !loader_.load(ns + "/tracking", "mba_vo/Tracker", remappings, {})) {
     throw std::runtime_error("the nodelets cannot be loaded");
   }

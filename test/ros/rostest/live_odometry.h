@@ -41,7 +41,7 @@ struct Outputs {
 class LiveOdometry {
  public:
   /// `input`: namespace of the camera's topics.
-  LiveOdometry(const std::string& ns, const std::string& input);
+  LiveOdometry(const std::string& ns, const std::string& input, bool with_mapper = true);
 
   Outputs outputs() const;
   /// Newest status; a default one if none came yet.
