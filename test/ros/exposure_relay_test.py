@@ -213,6 +213,9 @@ class Matchings(unittest.TestCase):
         events = [(0.0, "i", 0), (0.1, "v", 6), (0.2, "i", 1), (9.0, "i", 2), (9.1, "v", 8), (9.2, "i", 3)]
         matching = exposure_matching.LatestMatching(0.05)
         self.assertEqual(self.run_through(matching, events), [(0, None), (1, 7.0), (2, 7.0), (3, 9.0)])
+        matching.add_image(200.0, 4, 4)
+        matching.add_value(200.1, 5.0, None, None)  # came after the image, looked at together
+        self.assertEqual(matching.take(200.2), [(4, 9.0)])
 
 
 class Options(unittest.TestCase):
