@@ -25,7 +25,9 @@ else()
     ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION} LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})
   install(FILES nodelet_plugins.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
   install(DIRECTORY launch rviz DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
-  install(PROGRAMS tools/ros/play_bag DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+  install(PROGRAMS tools/ros/exposure_relay tools/ros/play_bag DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+  install(FILES tools/ros/exposure_matching.py tools/ros/exposure_source.py  # of exposure_relay, found beside it
+          DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
   # For those who use the devel space.
   set(devel_config ${CATKIN_DEVEL_PREFIX}/${config_destination})
   file(COPY cmake/FindCHOLMOD.cmake DESTINATION ${devel_config})

@@ -4,6 +4,11 @@ file(GLOB ros_unit_tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/
 mba_vo_test(mba_vo_ros_test SOURCES ${ros_unit_tests} DEPENDS mba_vo_ros)
 mba_vo_ros_target(mba_vo_ros_test)
 
+add_test(NAME mba_vo_exposure_relay
+  COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/exposure_relay_test.py)
+set_tests_properties(mba_vo_exposure_relay PROPERTIES TIMEOUT 120
+  ENVIRONMENT "PYTHONPATH=${CATKIN_DEVEL_PREFIX}/${PYTHON_INSTALL_DIR}:$ENV{PYTHONPATH}")
+
 find_program(MBA_VO_ROSTEST rostest)
 if(NOT MBA_VO_ROSTEST)
   message(STATUS "rostest not found: the tests with a ROS master are left out")
@@ -33,7 +38,7 @@ function(mba_vo_rostest name)
   set_tests_properties(mba_vo_rostest_${name} PROPERTIES RUN_SERIAL TRUE TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT "${ros_test_environment}")
 endfunction()
 
-mba_vo_rostest(bad_input TIMEOUT 320)
+mba_vo_rostest(bad_input TIMEOUT 320 SOURCES ${ros_test_folder}/bad_topics_test.cpp)
 mba_vo_rostest(play_bag TIMEOUT 520 SOURCES ${ros_test_folder}/demo_sequence.cpp DEPENDS mba_vo_evaluation
   ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
 mba_vo_rostest(deblurring TIMEOUT 320 SOURCES ${ros_test_folder}/demo_sequence.cpp DEPENDS mba_vo_evaluation

@@ -19,9 +19,9 @@ ros=(
   librostest-dev libsensor-msgs-dev libstd-srvs-dev libtf2-ros-dev pluginlib-dev ros-geometry-msgs
   ros-message-generation ros-message-runtime ros-std-msgs
   # to run
-  libnodeletlib-tools python3-geometry-msgs python3-nav-msgs python3-rosbag python3-roslaunch python3-rosmsg
-  python3-rosnode python3-rosparam python3-rosservice python3-rostest python3-rostopic python3-sensor-msgs
-  python3-std-msgs python3-std-srvs python3-tf2-msgs rosbash rosout rospack-tools
+  libnodeletlib-tools python3-genpy python3-geometry-msgs python3-nav-msgs python3-rosbag python3-roslaunch
+  python3-rosmsg python3-rosnode python3-rosparam python3-rospy python3-rosservice python3-rostest python3-rostopic
+  python3-sensor-msgs python3-std-msgs python3-std-srvs python3-tf2-msgs rosbash rosout rospack-tools
 )
 rviz=(rviz)
 checks=(catkin-lint ccache clang-format clang-tidy shellcheck)

@@ -38,7 +38,7 @@ void ImageIntake::setCalibration(const CameraCalibration& calibration, const Cal
 ImageIntake::Result ImageIntake::take(const CameraImage& image) {
   Result result;
   if (image.image.empty() || !builder_) {
-    result.reason = builder_ ? image.problem : "no calibration yet";
+    result.reason = builder_ || !image.problem.empty() ? image.problem : "no calibration yet";
     return result;
   }
   InputVerdict verdict = guard_.check(image.stamp_ns, image.exposure);
@@ -56,7 +56,8 @@ ImageIntake::Result ImageIntake::take(const CameraImage& image) {
   const std::int64_t stamp_ns = stamps_.smooth(image.stamp_ns, images);
   if (isRepeat(image)) {
     result.repeats = original_.sequence;
-    append(result.reason, "repeats image " + std::to_string(original_.sequence));
+    append(result.reason,
+           "repeats the image of " + std::to_string(1e-9 * static_cast<double>(original_.stamp_ns)) + " s");
     if (!isFrozen(image.stamp_ns)) return result;
   }
   adoptCorrected();

@@ -10,6 +10,7 @@
 #include "bag_topics.h"
 #include "mba_vo/ros/bag_errors.h"
 #include "mba_vo/ros/camera_info.h"
+#include "mba_vo/ros/compressed_image.h"
 #include "mba_vo/ros/depth_lookup.h"
 #include "mba_vo/ros/exposure_lookup.h"
 #include "mba_vo/ros/image_conversion.h"
@@ -85,7 +86,7 @@ class BagReader final : public SequenceReader {
       decode([&] { return toCvImage(raw)->image.clone(); }, result);
     } else if (const auto compressed = message.instantiate<sensor_msgs::CompressedImage>()) {
       describe(compressed->header, result);
-      decode([&] { return cv_bridge::toCvCopy(compressed)->image; }, result);
+      decode([&] { return toCvImage(decodeImage(*compressed))->image.clone(); }, result);
     }
     return result;
   }

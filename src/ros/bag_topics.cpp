@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <rosbag/view.h>
+#include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/image_encodings.h>
 
@@ -16,6 +17,7 @@ const char* const kGroundTruthNamespace = "/groundtruth/";
 namespace {
 
 constexpr const char* kImageType = "sensor_msgs/Image";
+constexpr const char* kCompressedType = "sensor_msgs/CompressedImage";
 
 using TopicTypes = std::map<std::string, std::string>;  // topic -> type
 
@@ -78,16 +80,21 @@ std::string siblingCameraInfo(const TopicTypes& topics, const std::string& image
   return "";
 }
 
-/// The topics but those with images of floats, which are depths.
+bool isDepth(const rosbag::Bag& bag, const std::string& topic) {
+  rosbag::View view(bag, rosbag::TopicQuery(topic));
+  if (view.begin() == view.end()) return false;
+  if (const auto image = view.begin()->instantiate<sensor_msgs::Image>()) {
+    return image->encoding == sensor_msgs::image_encodings::TYPE_32FC1;
+  }
+  const auto compressed = view.begin()->instantiate<sensor_msgs::CompressedImage>();
+  return compressed && compressed->format.find("compressedDepth") != std::string::npos;
+}
+
+/// The topics but those with images of floats, which are depths, and with what compresses these.
 TopicTypes withoutDepths(const rosbag::Bag& bag, TopicTypes topics) {
   for (auto it = topics.begin(); it != topics.end();) {
-    bool depth = false;
-    if (it->second == kImageType) {
-      rosbag::View view(bag, rosbag::TopicQuery(it->first));
-      const auto image = view.begin() == view.end() ? nullptr : view.begin()->instantiate<sensor_msgs::Image>();
-      depth = image && image->encoding == sensor_msgs::image_encodings::TYPE_32FC1;
-    }
-    it = depth ? topics.erase(it) : std::next(it);
+    const bool is_image = it->second == kImageType || it->second == kCompressedType;
+    it = is_image && isDepth(bag, it->first) ? topics.erase(it) : std::next(it);
   }
   return topics;
 }
@@ -103,7 +110,7 @@ BagTopics findBagTopics(const rosbag::Bag& bag, const std::string& file, const B
     images.erase(wanted.depth);
   }
   const auto chooseImage = [&](const TopicTypes& from) {
-    return choose(from, file, "image", wanted.image, {kImageType, "sensor_msgs/CompressedImage"});
+    return choose(from, file, "image", wanted.image, {kImageType, kCompressedType});
   };
   found.image = wanted.image.empty() ? chooseImage(withoutDepths(bag, images)) : "";
   if (found.image.empty()) found.image = chooseImage(images);  // that nothing can be read is told image by image

@@ -69,6 +69,11 @@ SE3 toBaseWorld(const SE3& T_world_camera, const SE3& T_base_camera) {
   return T_base_camera * T_world_camera * T_base_camera.inverse();
 }
 
+std::string cameraFrame(const std::string& frame_id) {
+  if (frame_id.find_first_not_of("0123456789") == std::string::npos) return "";
+  return frame_id.front() == '/' ? frame_id.substr(1) : frame_id;
+}
+
 StampReference parseStampReference(const std::string& text) {
   for (const StampReference reference : {StampReference::kStart, StampReference::kMiddle, StampReference::kEnd}) {
     if (text == toString(reference)) {

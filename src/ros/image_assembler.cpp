@@ -11,7 +11,8 @@ constexpr double kDepthMemory = 1.0;  // [s] without a depth image, after which 
 
 }  // namespace
 
-std::uint64_t ImageAssembler::addImage(const sensor_msgs::ImageConstPtr& image, double now) {
+std::uint64_t ImageAssembler::addImage(const sensor_msgs::ImageConstPtr& image, double now,
+                                       const std::string& problem) {
   std::uint64_t missing = 0;
   const std::uint32_t sender = image->header.seq;
   // Senders that do not number their images repeat one number; those tell nothing.
@@ -21,6 +22,7 @@ std::uint64_t ImageAssembler::addImage(const sensor_msgs::ImageConstPtr& image, 
   last_sender_sequence_ = sender;
   InputImage input;
   input.message = image;
+  input.problem = problem;
   input.sequence = next_sequence_ + missing;
   input.arrival = now;
   next_sequence_ = input.sequence + 1;
@@ -67,6 +69,7 @@ std::vector<InputImage> ImageAssembler::takeReady(double now) {
     if (!input.exposure) {
       const std::optional<double> found = exposures_.find(toNanoseconds(input.message->header.stamp));
       input.exposure_from_topic = found.has_value();
+      input.exposure_unmatched = !found && exposures_.size() > 0;
       input.exposure = found ? exposureFromMessage(*found) : std::nullopt;
     }
     input.depth = depths_.find(toNanoseconds(input.message->header.stamp));

@@ -1,8 +1,10 @@
 #include "mba_vo/ros/node_config.h"
 
 #include <cmath>
+#include <map>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include <XmlRpcValue.h>
 
@@ -13,7 +15,7 @@ namespace {
 
 /// Sub-namespaces of nodes, not of options.
 const std::set<std::string>& foreignNamespaces() {
-  static const std::set<std::string> kNames = {"manager", "tracking", "mapping", "player"};
+  static const std::set<std::string> kNames = {"manager", "tracking", "mapping", "player", "exposure_relay"};
   return kNames;
 }
 
@@ -35,6 +37,27 @@ std::set<std::string> knownKeys() {
   KeyCollector collector;
   NodeConfig::describe(config, collector);
   return collector.keys;
+}
+
+/// TF takes no empty names and none that begin with a slash, and a frame has one parent.
+void checkFrames(const FrameNames& frames) {
+  const std::pair<const char*, const std::string&> named[] = {{"map_frame", frames.map_frame},
+                                                              {"odom_frame", frames.odom_frame},
+                                                              {"base_frame", frames.base_frame},
+                                                              {"exposure_start_frame", frames.exposure_start_frame},
+                                                              {"exposure_end_frame", frames.exposure_end_frame}};
+  std::map<std::string, std::string> keys;  // by the name of the frame
+  for (const auto& [key, frame] : named) {
+    if (frame.empty() || frame.front() == '/') {
+      throw std::invalid_argument(std::string(key) + " is '" + frame +
+                                  "'; allowed: names that are not empty and do not begin with '/'");
+    }
+    const auto [other, is_new] = keys.emplace(frame, key);
+    if (!is_new) {
+      throw std::invalid_argument(std::string(key) + " is '" + frame + "', as " + other->second +
+                                  "; allowed: a name of its own for each of the five frames");
+    }
+  }
 }
 
 YAML::Node toYaml(XmlRpc::XmlRpcValue& value) {
@@ -85,7 +108,8 @@ std::optional<double> NodeConfig::fixedExposure() const {
   }
   if (!number || value < 0.0 || value > 10.0) {
     throw std::invalid_argument("exposure_time is '" + exposure_time +
-                                "'; allowed: auto, nan, or seconds from 0 (instantaneous) to 10");
+                                "'; allowed: auto, nan, or seconds (not milli- or microseconds) from 0 "
+                                "(instantaneous) to 10");
   }
   return value;
 }
@@ -95,6 +119,7 @@ NodeConfig parseNodeConfig(const YAML::Node& parameters) {
   readConfig(parameters, config);
   finalize(config.odometry);
   config.stampReference();
+  checkFrames(config.frames);
   // An exposure that is set for all images is not to be corrected.
   if (config.fixedExposure()) config.odometry.tracker.estimate_exposure = false;
   return config;

@@ -95,7 +95,8 @@ TEST_F(RepeatedImages, HaveNoPoseOfTheirOwnAndAreNoKeyframes) {
     const TrackerStep& step = run_.steps.at(images_[i].sequence);
     EXPECT_EQ(step.kind == TrackerStep::Kind::kRepeated, isRepeat(i)) << i;
     if (!isRepeat(i)) continue;
-    EXPECT_THAT(step.reason, testing::HasSubstr("repeats image " + std::to_string(images_[i - 1].sequence)));
+    EXPECT_THAT(step.reason, testing::HasSubstr("repeats the image of " +
+                                                std::to_string(1e-9 * double(images_[i - 1].stamp_ns)) + " s"));
     EXPECT_EQ(step.message.tracked, nullptr) << "nothing for the mapper";
     EXPECT_EQ(run_.trajectory.count(images_[i].sequence), 0U);
     EXPECT_THAT(run_.keyframes, testing::Not(testing::Contains(images_[i].sequence)));

@@ -208,7 +208,7 @@ TEST(TrackerPipeline, ARepeatedImageHasTheResultOfTheFirstUntilTheStreamIsFrozen
     EXPECT_EQ(step.repeated->frame->stamp_ns, step.stamp_ns);
     EXPECT_EQ(step.mid_exposure_ns, view(2).mid_exposure_ns);
     EXPECT_LT(distance(step.T_map_odom * step.T_odom_camera, truth(0, 2)), kClose);
-    EXPECT_EQ(step.reason, "repeats image " + std::to_string(image(2).sequence));
+    EXPECT_EQ(step.reason, "repeats the image of " + std::to_string(1e-9 * double(image(2).stamp_ns)) + " s");
   }
   for (std::size_t i = 4; i < 6; ++i) {
     EXPECT_EQ(steps[i].kind, TrackerStep::Kind::kImage);

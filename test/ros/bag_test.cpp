@@ -5,6 +5,8 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <gtest/gtest.h>
 #include <rosbag/view.h>
+#include <sensor_msgs/CompressedImage.h>
+#include <opencv2/imgcodecs.hpp>
 
 #include "mba_vo/ros/bag_image_writer.h"
 #include "mba_vo/ros/bag_reader.h"
@@ -176,6 +178,66 @@ TEST_F(BagTest, ColourAndSixteenBitImagesAreAccepted) {
   const auto reader = openBag(file_, {});
   EXPECT_EQ(reader->next()->image.at<cv::Vec3b>(3, 3), cv::Vec3b(10, 20, 30));
   EXPECT_EQ(reader->next()->image.at<std::uint16_t>(3, 3), 40000);
+}
+
+/// Publishes what the writer has written last as image_transport does.
+void writeCompressed(BagImageWriter& writer, const std::string& format, const std::string& suffix,
+                     const cv::Mat& image) {
+  sensor_msgs::CompressedImage message;
+  message.header = writer.header();
+  message.format = format;
+  cv::imencode(suffix, image, message.data);
+  writer.writeMessage("/camera/image_raw/compressed", message);
+}
+
+/// Images that are read from a topic; all with the same stamps and exposures.
+std::vector<CameraImage> readAll(const std::string& file, const std::string& topic) {
+  BagTopics topics;
+  topics.image = topic;
+  const auto reader = openBag(file, topics);
+  std::vector<CameraImage> images;
+  while (auto image = reader->next()) images.push_back(*image);
+  return images;
+}
+
+TEST_F(BagTest, CompressedImagesAreTheirDecodedTwins) {
+  BagImageWriter writer(file_, testCalibration(), StampReference::kStart);
+  cv::Mat1w deep;
+  testImage(1).convertTo(deep, CV_16U, 200.0);
+  cv::Mat3b colour(20, 32);
+  cv::randu(colour, 0, 255);
+  const std::pair<cv::Mat, std::string> inputs[] = {{testImage(0), "mono8; png compressed "},
+                                                    {deep, "mono16; png compressed "},
+                                                    {colour, "rgb8; png compressed bgr8"},
+                                                    {testImage(3), "png"}};
+  int index = 0;
+  for (const auto& [image, format] : inputs) {
+    writer.write(kStart + kInterval * index++, 0.02, image);
+    writeCompressed(writer, format, ".png", image);
+  }
+  writer.close();
+  const auto raw = readAll(file_, "/camera/image_raw");
+  const auto compressed = readAll(file_, "/camera/image_raw/compressed");
+  ASSERT_EQ(raw.size(), std::size(inputs));
+  ASSERT_EQ(compressed.size(), raw.size());
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    ASSERT_EQ(compressed[i].image.type(), raw[i].image.type()) << i;
+    EXPECT_EQ(cv::norm(compressed[i].image, raw[i].image, cv::NORM_INF), 0.0) << i;
+    EXPECT_EQ(compressed[i].stamp_ns, raw[i].stamp_ns);
+    EXPECT_EQ(compressed[i].mid_exposure_ns, raw[i].mid_exposure_ns);
+    EXPECT_EQ(compressed[i].exposure, raw[i].exposure);
+    EXPECT_EQ(compressed[i].sequence, raw[i].sequence);
+  }
+}
+
+TEST_F(BagTest, DepthsThatAreCompressedAreNotTakenForImages) {
+  BagImageWriter writer(file_, testCalibration(), StampReference::kMiddle);
+  writer.write(kStart, std::nullopt, testImage(0));
+  sensor_msgs::CompressedImage depth;
+  depth.format = "16UC1; compressedDepth png";
+  writer.writeMessage("/depth/image_raw/compressedDepth", depth);
+  writer.close();
+  EXPECT_EQ(openBag(file_, {})->size(), 1U);
 }
 
 TEST_F(BagTest, AnImageThatCannotBeReadIsReportedAndTheNextOneFollows) {

@@ -181,5 +181,13 @@ TEST(ExposureLookup, MatchesByStamp) {
   EXPECT_EQ(lookup.size(), 1U);
 }
 
+TEST(Conversions, FramesOfCamerasAreThoseOfTf) {
+  EXPECT_EQ(cameraFrame("camera_optical"), "camera_optical");
+  EXPECT_EQ(cameraFrame("/camera"), "camera");
+  EXPECT_EQ(cameraFrame("1234500"), "");
+  EXPECT_EQ(cameraFrame(""), "");
+  EXPECT_EQ(cameraFrame("cam0"), "cam0");
+}
+
 }  // namespace
 }  // namespace mba_vo

@@ -75,6 +75,29 @@ TEST(ImageAssembler, ExposureOfALaterImageEndsTheWait) {
   EXPECT_FALSE(ready[0].exposure.has_value());
 }
 
+TEST(ImageAssembler, ExposuresThatBelongToNoImageAreNoticed) {
+  ImageAssembler assembler = calibratedAssembler();
+  assembler.addExposure(stampOf(0) + kInterval / 2, 0.015);
+  assembler.addExposure(stampOf(1), 0.015);
+  assembler.addImage(image(0, 0), 5.0);
+  assembler.addImage(image(1, 1), 5.0);
+  const auto ready = assembler.takeReady(5.0);
+  ASSERT_EQ(ready.size(), 2U);
+  EXPECT_TRUE(ready[0].exposure_unmatched);
+  EXPECT_FALSE(ready[1].exposure_unmatched);
+}
+
+TEST(ImageAssembler, AnImageThatCouldNotBeDecodedKeepsItsPlaceAndItsReason) {
+  ImageAssembler assembler = calibratedAssembler();
+  assembler.addImage(image(0, 0), 5.0, "not a picture");
+  assembler.addImage(image(1, 1), 5.0);
+  const auto ready = assembler.takeReady(5.0);
+  ASSERT_EQ(ready.size(), 2U);
+  EXPECT_EQ(ready[0].problem, "not a picture");
+  EXPECT_EQ(ready[1].problem, "");
+  EXPECT_EQ(ready[1].sequence, 1U);
+}
+
 TEST(ImageAssembler, NanInTheMessageIsUnknown) {
   ImageAssembler assembler = calibratedAssembler();
   assembler.addExposure(stampOf(0), std::nan(""));
@@ -185,18 +208,16 @@ TEST(ImageAssembler, WithoutCalibrationImagesComeOutInTheEnd) {
 }
 
 TEST(ImageAssembler, GapsAreSeenBySequenceNumber) {
-  ImageAssemblerOptions options;
-  options.first_sequence = 100;
-  ImageAssembler assembler = calibratedAssembler(options);
+  ImageAssembler assembler = calibratedAssembler();
   EXPECT_EQ(assembler.addImage(image(0, 41), 5.0), 0U);
   EXPECT_EQ(assembler.addImage(image(1, 42), 5.0), 0U);
   EXPECT_EQ(assembler.addImage(image(4, 45), 5.0), 2U);
   EXPECT_EQ(assembler.addImage(image(5, 0), 5.0), 0U);  // the sender was restarted
   const auto ready = assembler.takeReady(5.0);
   ASSERT_EQ(ready.size(), 4U);
-  EXPECT_EQ(ready[0].sequence, 100U);
-  EXPECT_EQ(ready[2].sequence, 104U);
-  EXPECT_EQ(ready[3].sequence, 105U);
+  EXPECT_EQ(ready[0].sequence, 0U);
+  EXPECT_EQ(ready[2].sequence, 4U);
+  EXPECT_EQ(ready[3].sequence, 5U);
 }
 
 TEST(ImageAssembler, SendersThatDoNotNumberShowNoGaps) {

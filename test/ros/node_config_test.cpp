@@ -39,5 +39,13 @@ TEST(NodeConfig, WrongOptionsAreNamed) {
   EXPECT_NE(errorOf("{exposure_time: long}").find("'long'"), std::string::npos);
 }
 
+TEST(NodeConfig, FramesThatTfCannotHoldAreRefused) {
+  EXPECT_NE(errorOf("{map_frame: odom}").find("odom_frame is 'odom', as map_frame"), std::string::npos);
+  EXPECT_NE(errorOf("{exposure_end_frame: base_link}").find("base_frame"), std::string::npos);
+  EXPECT_NE(errorOf("{base_frame: ''}").find("base_frame is ''"), std::string::npos);
+  EXPECT_NE(errorOf("{odom_frame: /odom}").find("'/odom'"), std::string::npos);
+  EXPECT_EQ(errorOf("{map_frame: world, odom_frame: map}"), "");
+}
+
 }  // namespace
 }  // namespace mba_vo

@@ -29,6 +29,10 @@ SE3 T_body_optical();
 /// the base's world is the base, at the moment when the camera was at the origin of its own.
 SE3 toBaseWorld(const SE3& T_world_camera, const SE3& T_base_camera);
 
+/// The name of a camera's frame in TF, by the `frame_id` of its images: without the leading slash of old drivers, which
+/// TF no longer knows; empty where a number stands in its place, as the exposure does in some bags.
+std::string cameraFrame(const std::string& frame_id);
+
 /// What the stamp of an image message refers to.
 enum class StampReference { kStart, kMiddle, kEnd };
 

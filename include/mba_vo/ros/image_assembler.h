@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <sensor_msgs/Image.h>
@@ -15,9 +16,11 @@ namespace mba_vo {
 /// An image with its exposure, as it goes to the tracker's thread.
 struct InputImage {
   sensor_msgs::ImageConstPtr message;
-  std::uint64_t sequence = 0;      // counts the images sent, those that never arrived included
+  std::string problem;             // why it could not be decoded; empty = nothing is wrong
+  std::uint64_t sequence = 0;      // counts the images sent from 0 on, those that never arrived included
   std::optional<double> exposure;  // [s]; nullopt = unknown; not checked yet
   bool exposure_from_topic = false;
+  bool exposure_unmatched = false;   // exposures come, but none with its stamp
   sensor_msgs::ImageConstPtr depth;  // null = none
   double arrival = 0.0;              // [s]
 };
@@ -28,7 +31,6 @@ struct ImageAssemblerOptions {
   double calibration_wait = 1.0;         // [s]
   double depth_wait = 0.05;              // [s]
   double depth_tolerance = 0.02;         // [s]
-  std::uint64_t first_sequence = 0;
 };
 
 /// Numbers the images, and joins them with their exposures and depth images by stamp. An image waits for these no
@@ -36,11 +38,10 @@ struct ImageAssemblerOptions {
 /// `now` [s] come from a steady clock.
 class ImageAssembler {
  public:
-  explicit ImageAssembler(const ImageAssemblerOptions& options)
-      : options_(options), depths_(options.depth_tolerance), next_sequence_(options.first_sequence) {}
+  explicit ImageAssembler(const ImageAssemblerOptions& options) : options_(options), depths_(options.depth_tolerance) {}
 
   /// Returns how many images never arrived before this one, by the sequence numbers of the sender.
-  std::uint64_t addImage(const sensor_msgs::ImageConstPtr& image, double now);
+  std::uint64_t addImage(const sensor_msgs::ImageConstPtr& image, double now, const std::string& problem = "");
   void addExposure(std::int64_t stamp_ns, double exposure);
   void addDepth(const sensor_msgs::ImageConstPtr& depth, double now);
   /// Whether anybody sends exposures; without a sender images do not wait for them.
@@ -63,7 +64,7 @@ class ImageAssembler {
   std::deque<InputImage> waiting_;
   bool exposures_expected_ = false;
   bool calibrated_ = false;
-  std::uint64_t next_sequence_;
+  std::uint64_t next_sequence_ = 0;
   std::optional<std::uint32_t> last_sender_sequence_;
 };
 

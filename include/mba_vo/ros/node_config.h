@@ -60,8 +60,9 @@ struct NodeConfig {
     v("calibration_wait", c.calibration_wait, 0.0, 60.0, "longest wait of an image for the first camera_info [s]");
     v("depth_wait", c.depth_wait, 0.0, 10.0, "longest wait of an image for its depth image, where there are any [s]");
     v("depth_tolerance", c.depth_tolerance, 0.0, 1.0, "most time between an image and its depth image [s]");
-    v("depth_transport", c.depth_transport, "image_transport of the depth images: raw, compressedDepth, ...");
-    v("image_transport", c.image_transport, "image_transport of the input: raw, compressed, ...");
+    v("depth_transport", c.depth_transport, "image_transport of the depth images: raw, compressed (png), ...");
+    v("image_transport", c.image_transport,
+      "image_transport of the input: raw, compressed (jpeg, png), or a plugin that is installed");
     v("rectified", c.rectified, "the images are rectified already: P of camera_info, no distortion");
     v("no_image_warning", c.no_image_warning, 0.1, 3600.0, "silence at the input after which the status says so [s]");
     v("image_queue_mb", c.image_queue_mb, 0.1, 65536.0, "bound of the images waiting for the tracker [MB]");

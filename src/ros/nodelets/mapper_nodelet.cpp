@@ -85,9 +85,18 @@ class MapperNodelet final : public nodelet::Nodelet {
     return std::to_string(trajectory.size()) + " poses written to " + folder.string();
   }
 
-  void onStatusTimer(const ros::SteadyTimerEvent& /*event*/) { status_->publish(worker_->queueBytes()); }
+  void onStatusTimer(const ros::SteadyTimerEvent& /*event*/) {
+    alone_ = frame_subscriber_.getNumPublishers() == 0 ? alone_ + kStatusPeriod : 0.0;
+    if (alone_ > kWarnPeriod) {
+      NODELET_WARN_STREAM_THROTTLE(kWarnPeriod, "there is no tracker: nobody publishes "
+                                                    << frame_subscriber_.getTopic()
+                                                    << "; load mba_vo/Tracker into the manager of the mapper");
+    }
+    status_->publish(worker_->queueBytes());
+  }
 
   std::string output_directory_;
+  double alone_ = 0.0;  // for how long there has been no tracker [s]
   std::unique_ptr<MapperStatusReporter> status_;
   std::unique_ptr<MapperWorker> worker_;
   ros::Subscriber frame_subscriber_;

@@ -30,11 +30,12 @@ MotionPublisher::MotionPublisher(ros::NodeHandle& nh, const FrameNames& frames, 
       exposure_motion_(nh.advertise<ExposureMotion>("exposure_motion", kQueue)) {}
 
 void MotionPublisher::publish(const MeasuredMotion& motion) {
+  const ExposureMotion exposure_motion = makeExposureMotion(motion, frames_);
   if (motion.tracked->orientation_only) {
     odometry_.publish(makeOdometry(motion, frames_));
+    exposure_motion_.publish(exposure_motion);
     return;
   }
-  const ExposureMotion exposure_motion = makeExposureMotion(motion, frames_);
   if (publish_tf_) {
     broadcast(motion, exposure_motion);  // first, so that whoever gets a message finds its transform
   }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "mba_vo/ros/conversions.h"
 #include "mba_vo/ros/status_conversion.h"
@@ -31,7 +32,8 @@ void StatusReporter::imageRejected(std::int64_t stamp_ns, const std::string& rea
   const std::lock_guard<std::mutex> lock(mutex_);
   ++status_.frames_rejected;
   status_.header.stamp = toRosTime(stamp_ns);
-  publishLocked("image rejected: " + reason);
+  rejection_ = "image rejected: " + reason;
+  publishLocked(rejection_);
 }
 
 void StatusReporter::imageRepeated(std::int64_t stamp_ns, const std::string& reason) {
@@ -45,6 +47,8 @@ void StatusReporter::imageTracked(const TrackedFrame& tracked, const std::string
   const std::lock_guard<std::mutex> lock(mutex_);
   const std::uint8_t previous = status_.state;
   status_.state = toState(tracked.status);
+  rejection_.clear();
+  any_usable_ = true;
   status_.header.stamp = toRosTime(tracked.frame->stamp_ns);
   status_.reason = tracked.reason;
   status_.tf_predicted = tf_predicted;
@@ -108,10 +112,13 @@ void StatusReporter::wasReset(const std::string& reason) {
   publishLocked(status_.reason);
 }
 
-void StatusReporter::publish(const std::string& waiting_for, std::size_t queue_bytes) {
+void StatusReporter::publish(const InputProblem& problem, std::size_t queue_bytes) {
   const std::lock_guard<std::mutex> lock(mutex_);
   status_.queue_bytes = queue_bytes;
-  publishLocked(waiting_for.empty() ? status_.reason : waiting_for);
+  const bool usable = std::exchange(any_usable_, false);
+  if (problem.silent || (!usable && !rejection_.empty())) status_.state = Status::WAITING;
+  const std::string& own = rejection_.empty() ? status_.reason : rejection_;
+  publishLocked(problem.text.empty() ? own : problem.text);
 }
 
 void StatusReporter::publishLocked(const std::string& reason) {

@@ -12,6 +12,12 @@
 
 namespace mba_vo {
 
+/// What the inputs lack at present.
+struct InputProblem {
+  std::string text;     // empty = nothing
+  bool silent = false;  // no images come
+};
+
 /// Counts what happens to every image and tells it on the latched topic `status`. Thread-safe.
 class StatusReporter {
  public:
@@ -30,14 +36,16 @@ class StatusReporter {
   void referenceAdopted(const Reference& reference);
   void referenceStale();
   void wasReset(const std::string& reason);
-  /// Publishes the present state; `waiting_for`: what is missing at the input, empty = nothing.
-  void publish(const std::string& waiting_for, std::size_t queue_bytes);
+  /// Publishes the present state. It is WAITING while no images come, or none of use.
+  void publish(const InputProblem& problem, std::size_t queue_bytes);
 
  private:
   void publishLocked(const std::string& reason);
 
   std::mutex mutex_;
   Status status_;
+  std::string rejection_;    // of the newest image, if that was rejected
+  bool any_usable_ = false;  // since the last time that the state was published
   ros::Publisher publisher_;
 };
 

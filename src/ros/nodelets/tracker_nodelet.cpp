@@ -1,12 +1,14 @@
 #include <memory>
 
-#include <image_transport/image_transport.h>
 #include <mba_vo/ExposureStamped.h>
 #include <nodelet/nodelet.h>
 #include <std_srvs/Empty.h>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "calibration_store.h"
+#include "image_source.h"
+#include "mba_vo/ros/exposure_watch.h"
+#include "published_topics.h"
 #include "tracker_worker.h"
 
 namespace mba_vo {
@@ -16,7 +18,7 @@ constexpr int kInputQueue = 100;       // shorter ones lose images without a wor
 constexpr double kPollPeriod = 0.01;   // [s] how often images that wait are looked at
 constexpr double kStatusPeriod = 1.0;  // [s]
 constexpr double kWarnPeriod = 5.0;    // [s]
-constexpr double kNumbersPerSecond = 1e3;
+constexpr int kLooks = 5;              // for each the master is asked
 
 double steadySeconds() { return ros::SteadyTime::now().toSec(); }
 
@@ -30,6 +32,7 @@ class TrackerNodelet final : public nodelet::Nodelet {
       start(getNodeHandle());
     } catch (const std::exception& error) {
       NODELET_FATAL_STREAM(error.what());  // the loader would only say that it failed
+      disconnect();
       throw;
     }
   }
@@ -43,11 +46,11 @@ class TrackerNodelet final : public nodelet::Nodelet {
     options.calibration_wait = config.calibration_wait;
     options.depth_wait = config.depth_wait;
     options.depth_tolerance = config.depth_tolerance;
-    // The trajectory store knows frames by number: a tracker that is restarted must not use numbers again.
-    options.first_sequence = static_cast<std::uint64_t>(kNumbersPerSecond * ros::WallTime::now().toSec());
     assembler_ = std::make_unique<ImageAssembler>(options);
     status_ = std::make_unique<StatusReporter>(nh);
     calibration_ = std::make_unique<CalibrationStore>(nh.resolveName("camera_info"), config.rectified);
+    exposure_watch_ =
+        std::make_unique<ExposureWatch>(config.fixedExposure() ? "exposure_time" : nh.resolveName("exposure"));
     worker_ = std::make_unique<TrackerWorker>(nh, config, *status_);
     connect(nh, config);
   }
@@ -57,24 +60,37 @@ class TrackerNodelet final : public nodelet::Nodelet {
     reference_subscriber_ = nh.subscribe("reference", kInputQueue, &TrackerNodelet::onReference, this, no_delay);
     info_subscriber_ = nh.subscribe("camera_info", kInputQueue, &TrackerNodelet::onCameraInfo, this, no_delay);
     exposure_subscriber_ = nh.subscribe("exposure", kInputQueue, &TrackerNodelet::onExposure, this, no_delay);
-    transport_ = std::make_unique<image_transport::ImageTransport>(nh);
-    image_subscriber_ = transport_->subscribe(
-        "image", kInputQueue, &TrackerNodelet::onImage, this,
-        image_transport::TransportHints(config.image_transport, no_delay, getPrivateNodeHandle()));
-    depth_subscriber_ = transport_->subscribe(
-        "depth", kInputQueue, &TrackerNodelet::onDepth, this,
-        image_transport::TransportHints(config.depth_transport, no_delay, getPrivateNodeHandle(), "depth_transport"));
+    images_ = std::make_unique<ImageSource>(
+        nh, getPrivateNodeHandle(), "image", "image_transport", config.image_transport,
+        [this](const auto& image, const std::string& problem) { onImage(image, problem); });
+    depths_ = std::make_unique<ImageSource>(
+        nh, getPrivateNodeHandle(), "depth", "depth_transport", config.depth_transport,
+        [this](const auto& depth, const std::string& problem) { onDepth(depth, problem); });
     reset_server_ = nh.advertiseService("reset", &TrackerNodelet::onReset, this);
     poll_timer_ = nh.createSteadyTimer(ros::WallDuration(kPollPeriod), &TrackerNodelet::onPoll, this);
     status_timer_ = nh.createSteadyTimer(ros::WallDuration(kStatusPeriod), &TrackerNodelet::onStatusTimer, this);
     last_image_ = steadySeconds();
   }
 
-  void onImage(const sensor_msgs::ImageConstPtr& image) {
+  /// To be done before an exception leaves: the loader destroys the callback queues before the nodelet.
+  void disconnect() {
+    poll_timer_.stop();
+    status_timer_.stop();
+    reset_server_.shutdown();
+    images_.reset();
+    depths_.reset();
+    info_subscriber_.shutdown();
+    exposure_subscriber_.shutdown();
+    reference_subscriber_.shutdown();
+    worker_.reset();
+    status_.reset();
+  }
+
+  void onImage(const sensor_msgs::ImageConstPtr& image, const std::string& problem) {
     last_image_ = steadySeconds();
     any_image_ = true;
     assembler_->expectExposures(exposure_subscriber_.getNumPublishers() > 0);
-    status_->imageReceived(assembler_->addImage(image, last_image_));
+    status_->imageReceived(assembler_->addImage(image, last_image_, problem));
     handOn();
   }
 
@@ -83,7 +99,11 @@ class TrackerNodelet final : public nodelet::Nodelet {
     handOn();
   }
 
-  void onDepth(const sensor_msgs::ImageConstPtr& depth) {
+  void onDepth(const sensor_msgs::ImageConstPtr& depth, const std::string& problem) {
+    if (!problem.empty()) {
+      NODELET_WARN_STREAM_THROTTLE(kWarnPeriod, "depth image is not used: " << problem);
+      return;
+    }
     assembler_->addDepth(depth, steadySeconds());
     handOn();
   }
@@ -93,6 +113,7 @@ class TrackerNodelet final : public nodelet::Nodelet {
     if (calibration_->set(*info)) {
       if (calibration_->get() != before) worker_->setCalibration(*calibration_->get());
       assembler_->setCalibrated();
+      calibrated_ = true;
     } else {
       NODELET_ERROR_STREAM_THROTTLE(kWarnPeriod, calibration_->problem());
     }
@@ -116,25 +137,60 @@ class TrackerNodelet final : public nodelet::Nodelet {
   void onPoll(const ros::SteadyTimerEvent& /*event*/) { handOn(); }
 
   void onStatusTimer(const ros::SteadyTimerEvent& /*event*/) {
-    const std::string missing = missingInput();
-    if (!missing.empty()) {
-      NODELET_WARN_STREAM_THROTTLE(kWarnPeriod, missing);
+    const double silence = steadySeconds() - last_image_;
+    const bool silent = silence > no_image_warning_;
+    if (any_image_ && looks_ < kLooks) lookAtOptionalTopics();
+    const std::string problem = silent ? missingImages(silence) : problemOfInput();
+    if (!problem.empty()) {
+      NODELET_WARN_STREAM_THROTTLE(kWarnPeriod, problem);
     }
-    status_->publish(missing, worker_->queueBytes());
+    status_->publish({problem, silent}, worker_->queueBytes());
   }
 
-  std::string missingInput() const {
-    const double silence = steadySeconds() - last_image_;
-    if (silence > no_image_warning_) {
-      const std::string since = any_image_ ? " for " + std::to_string(static_cast<int>(silence)) + " s" : " yet";
-      return "no image on " + image_subscriber_.getTopic() + since + ", which has " +
-             std::to_string(image_subscriber_.getNumPublishers()) + " publishers";
+  std::string missingImages(double silence) const {
+    const std::string since = any_image_ ? " for " + std::to_string(static_cast<int>(silence)) + " s" : " yet";
+    const std::string why =
+        images_->knowsType() ? whyNothingComes(images_->topic(), images_->type(), publishedTopics()) : "";
+    return "no image on " + images_->topic() + since + ": " +
+           (why.empty() ? "it has " + std::to_string(images_->publishers()) + " publishers" : why);
+  }
+
+  /// Of what has to come beside the images, or is wrong with it; empty if all is well.
+  std::string problemOfInput() const {
+    if (!any_image_) return "no image yet";
+    if (const std::string problem = calibration_->problem(); !problem.empty()) {
+      const std::string why = whyFrom(info_subscriber_, "sensor_msgs/CameraInfo");
+      return problem + (why.empty() ? "" : ": " + why);
     }
-    return any_image_ ? calibration_->problem() : "no image yet";
+    if (reference_subscriber_.getNumPublishers() == 0) {
+      return "there is no mapper: nobody publishes " + reference_subscriber_.getTopic() +
+             "; load mba_vo/Mapper into the manager of the tracker";
+    }
+    return wrong_topic_.empty() ? exposure_watch_->advice() : wrong_topic_;
+  }
+
+  /// Whether they are there, but of another type.
+  void lookAtOptionalTopics() {
+    ++looks_;
+    wrong_topic_.clear();
+    const TopicTypes published = publishedTopics();
+    const auto look = [&](const std::string& topic, const std::string& type) {
+      const std::string why = published.count(topic) > 0 ? whyNothingComes(topic, type, published) : "";
+      if (!why.empty()) wrong_topic_ = topic + " is not read: " + why;
+    };
+    if (depths_->knowsType()) look(depths_->topic(), depths_->type());
+    look(exposure_subscriber_.getTopic(), kExposureType);
+  }
+
+  static std::string whyFrom(const ros::Subscriber& subscriber, const std::string& type) {
+    if (subscriber.getNumPublishers() > 0) return "";
+    return whyNothingComes(subscriber.getTopic(), type, publishedTopics());
   }
 
   void handOn() {
-    for (const InputImage& image : assembler_->takeReady(steadySeconds())) {
+    for (InputImage& image : assembler_->takeReady(steadySeconds())) {
+      if (!calibrated_ && image.problem.empty()) image.problem = calibration_->problem();
+      exposure_watch_->add(toNanoseconds(image.message->header.stamp), image.exposure, image.exposure_unmatched);
       worker_->addImage(image);
     }
   }
@@ -143,14 +199,17 @@ class TrackerNodelet final : public nodelet::Nodelet {
   std::unique_ptr<ImageAssembler> assembler_;
   double last_image_ = 0.0;  // steady clock [s]
   bool any_image_ = false;
+  bool calibrated_ = false;        // at some time
   double no_image_warning_ = 0.0;  // [s]
+  int looks_ = 0;                  // at the optional topics
+  std::string wrong_topic_;        // what they found
 
   std::unique_ptr<StatusReporter> status_;
   std::unique_ptr<CalibrationStore> calibration_;
   std::unique_ptr<TrackerWorker> worker_;
-  std::unique_ptr<image_transport::ImageTransport> transport_;
-  image_transport::Subscriber image_subscriber_;
-  image_transport::Subscriber depth_subscriber_;
+  std::unique_ptr<ExposureWatch> exposure_watch_;
+  std::unique_ptr<ImageSource> images_;
+  std::unique_ptr<ImageSource> depths_;
   ros::Subscriber info_subscriber_;
   ros::Subscriber exposure_subscriber_;
   ros::Subscriber reference_subscriber_;

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kBytesPerMegabyte = 1e6;
 constexpr double kWarnPeriod = 5.0;  // [s]
+constexpr double kNumbersPerSecond = 1e3;
 
 double now() { return ros::SteadyTime::now().toSec(); }
 
@@ -51,6 +52,8 @@ cv::Mat1f depthOf(const InputImage& input, std::string& problem) {
 
 TrackerWorker::TrackerWorker(ros::NodeHandle& nh, const NodeConfig& config, StatusReporter& status)
     : config_(config),
+      // The trajectory store knows frames by number: a tracker that is restarted must not use numbers again.
+      first_sequence_(static_cast<std::uint64_t>(kNumbersPerSecond * ros::WallTime::now().toSec())),
       stamp_reference_(config.stampReference()),
       memory_(config.odometry.image),
       status_(status),
@@ -118,11 +121,11 @@ bool TrackerWorker::step() {
   } else if (step->kind == TrackerStep::Kind::kRepeated) {
     publishRepeated(*step);
   } else if (step->kind == TrackerStep::Kind::kRejected) {
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriod, "image " << step->sequence << " rejected: " << step->reason);
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriod, nameOf(*step) << " rejected: " << step->reason);
     status_.imageRejected(step->stamp_ns, step->reason);
     record(*step);
   }
-  sayIfChanged(step->phase);
+  sayIfChanged(*step);
   return true;
 }
 
@@ -157,12 +160,13 @@ void TrackerWorker::forward(const TrackerMessage& message) {
   }
   out->summary = summarize(message);
   out->summary.number = next_number_++;
+  out->summary.sequence -= first_sequence_;
   tracked_frames_.publish(TrackedFrameMessageConstPtr(out));
 }
 
 void TrackerWorker::publishImage(const TrackerStep& step) {
   const TrackedFrame& tracked = *step.message.tracked;
-  if (!step.reason.empty()) ROS_WARN_STREAM_THROTTLE(kWarnPeriod, "image " << step.sequence << ": " << step.reason);
+  if (!step.reason.empty()) ROS_WARN_STREAM_THROTTLE(kWarnPeriod, nameOf(step) << ": " << step.reason);
   if (tracked.tracked() || (tracked.orientation_only && extrinsic_.isSettled())) publishMotion(step);
   record(step);
   status_.imageTracked(tracked, exposureSource(step), publishPrediction(step));
@@ -192,17 +196,28 @@ bool TrackerWorker::publishPrediction(const TrackerStep& step) {
 void TrackerWorker::record(const TrackerStep& step) {
   if (!record_) return;
   try {
-    record_->add({step, now()});
+    PublishedImage image = {step, now()};
+    image.step.sequence -= first_sequence_;
+    record_->add(image);
   } catch (const std::exception& error) {
     ROS_ERROR_STREAM(error.what());
     record_.reset();
   }
 }
 
-void TrackerWorker::sayIfChanged(TrackingPhase phase) {
+std::string TrackerWorker::nameOf(const TrackerStep& step) const {
+  return "image " + std::to_string(step.sequence - first_sequence_) + " of " +
+         std::to_string(1e-9 * static_cast<double>(step.stamp_ns)) + " s";
+}
+
+void TrackerWorker::sayIfChanged(const TrackerStep& step) {
+  const TrackingPhase phase = step.phase;
   const TrackingPhase before = std::exchange(last_phase_, phase);
   if (phase == before) return;
-  if (phase == TrackingPhase::kLost) ROS_WARN("the camera is lost: it is looked for");
+  const std::string why = step.message.tracked ? step.message.tracked->reason : step.reason;
+  if (phase == TrackingPhase::kLost) ROS_WARN_STREAM("the camera is lost, and looked for: " << why);
+  if (phase == TrackingPhase::kNoMap) ROS_WARN_STREAM("there is no map any more: " << why);
+  if (before == TrackingPhase::kLost && phase != TrackingPhase::kNoMap) ROS_INFO("the camera is found again");
   if (phase == TrackingPhase::kCatchingUp && before == TrackingPhase::kNoMap) {
     ROS_INFO("there is a map: the images that waited for it are caught up with");
   }
@@ -227,16 +242,18 @@ double TrackerWorker::secondsSinceMeasured(const Frame& frame) const {
 
 CameraImage TrackerWorker::convert(const InputImage& input) const {
   CameraImage image;
-  image.sequence = input.sequence;
+  image.sequence = first_sequence_ + input.sequence;
   image.stamp_ns = toNanoseconds(input.message->header.stamp);
   image.mid_exposure_ns = midExposure(image.stamp_ns, input.exposure, stamp_reference_);
   image.exposure = input.exposure;
   image.exposure_from_topic = input.exposure_from_topic;
-  image.camera_frame = input.message->header.frame_id;
+  image.camera_frame = cameraFrame(input.message->header.frame_id);
   if (image.stamp_ns == 0) {
     image.problem = "its stamp is zero";
     return image;
   }
+  image.problem = input.problem;
+  if (!image.problem.empty()) return image;
   try {
     const cv_bridge::CvImageConstPtr pixels = toCvImage(input.message);
     image.image = pixels->image;

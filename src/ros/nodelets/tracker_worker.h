@@ -41,12 +41,15 @@ class TrackerWorker {
   /// False if the frame is not lost, or for too long, or TF is not to be predicted.
   bool publishPrediction(const TrackerStep& step);
   void record(const TrackerStep& step);
-  void sayIfChanged(TrackingPhase phase);
+  void sayIfChanged(const TrackerStep& step);
+  /// Of an image, for people.
+  std::string nameOf(const TrackerStep& step) const;
   MeasuredMotion motionOf(const TrackerStep& step, const TrackedFrameConstPtr& tracked, const SE3& T_odom_camera);
   double secondsSinceMeasured(const Frame& frame) const;
   CameraImage convert(const InputImage& input) const;
 
   const NodeConfig config_;
+  const std::uint64_t first_sequence_;  // what the outside is told begins at 0
   const StampReference stamp_reference_;
   CameraMemory memory_;
   StatusReporter& status_;

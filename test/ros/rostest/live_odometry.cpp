@@ -8,7 +8,8 @@
 
 namespace mba_vo {
 
-LiveOdometry::LiveOdometry(const std::string& ns, const std::string& input, std::shared_ptr<nodelet::Loader> manager)
+LiveOdometry::LiveOdometry(const std::string& ns, const std::string& input, std::shared_ptr<nodelet::Loader> manager,
+                           bool with_mapper)
     : nh_(ns),
       remappings_{{ns + "/image", input + "/image_raw"},
                   {ns + "/camera_info", input + "/camera_info"},
@@ -30,7 +31,7 @@ LiveOdometry::LiveOdometry(const std::string& ns, const std::string& input, std:
     outputs_.transforms.insert(outputs_.transforms.end(), message->transforms.begin(), message->transforms.end());
   };
   subscribers_.push_back(nh_.subscribe<tf2_msgs::TFMessage>("/tf", 1000, on_tf));
-  load("mapping");
+  if (with_mapper) load("mapping");
   load("tracking");
 }
 

@@ -43,7 +43,8 @@ struct Outputs {
 class LiveOdometry {
  public:
   /// `input`: namespace of the camera's topics. `manager`: that other nodelets are in, too; null = one of its own.
-  LiveOdometry(const std::string& ns, const std::string& input, std::shared_ptr<nodelet::Loader> manager = nullptr);
+  LiveOdometry(const std::string& ns, const std::string& input, std::shared_ptr<nodelet::Loader> manager = nullptr,
+               bool with_mapper = true);
   ~LiveOdometry();
   LiveOdometry(const LiveOdometry&) = delete;
   LiveOdometry& operator=(const LiveOdometry&) = delete;

@@ -251,7 +251,7 @@ TEST_F(PlayBag, BagPlayedAgainIsANewStart) {
 }
 
 TEST_F(PlayBag, WhileLostTransformsGoOnForAsLongAsTheyMay) {
-  ASSERT_EQ(odometry_->status().state, Status::TRACKING);
+  ASSERT_NE(odometry_->status().map_id, 0U);
   constexpr int kCovered = 6;  // by tf_prediction, the first three are predicted
   const std::size_t motions = odometry_->outputs().exposure_motion.size();
   const std::size_t before = odometry_->outputs().transforms.size();
