@@ -11,7 +11,7 @@ if(CMAKE_SOURCE_DIR STREQUAL CMAKE_CURRENT_SOURCE_DIR AND NOT DEFINED CATKIN_DEV
 endif()
 
 set(MBA_VO_MESSAGE_PACKAGES geometry_msgs std_msgs)
-find_package(catkin REQUIRED COMPONENTS cv_bridge geometry_msgs image_transport message_generation nav_msgs nodelet
+find_package(catkin REQUIRED COMPONENTS camera_info_manager cv_bridge geometry_msgs image_transport message_generation nav_msgs nodelet
   pluginlib rosbag rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_ros)
 
 add_message_files(FILES ExposureMotion.msg ExposureStamped.msg MapperStatus.msg ReferenceSummary.msg Status.msg
@@ -37,7 +37,7 @@ endfunction()
 file(GLOB MBA_VO_ROS_SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/ros/*.cpp)
 add_library(mba_vo_ros STATIC ${MBA_VO_ROS_SOURCES})
 mba_vo_ros_target(mba_vo_ros)
-target_link_libraries(mba_vo_ros PUBLIC mba_vo_io mba_vo_simulation ${catkin_LIBRARIES})
+target_link_libraries(mba_vo_ros PUBLIC mba_vo_io mba_vo_capture mba_vo_simulation ${catkin_LIBRARIES})
 
 # The two nodelets, and both in one process for rosrun.
 file(GLOB MBA_VO_NODELET_SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/ros/nodelets/*.cpp)
@@ -56,6 +56,11 @@ add_executable(mba_vo_make_bag tools/ros/mba_vo_make_bag.cpp)
 mba_vo_ros_target(mba_vo_make_bag)
 target_link_libraries(mba_vo_make_bag PRIVATE mba_vo_ros CLI11::CLI11)
 set_property(GLOBAL APPEND PROPERTY MBA_VO_PROGRAMS mba_vo_make_bag)
+
+add_executable(mba_vo_camera tools/ros/mba_vo_camera.cpp)
+mba_vo_ros_target(mba_vo_camera)
+target_link_libraries(mba_vo_camera PRIVATE mba_vo_ros CLI11::CLI11)
+set_property(GLOBAL APPEND PROPERTY MBA_VO_PROGRAMS mba_vo_camera)
 
 # The programs that also read or write bags when ROS is there; all programs are found by rosrun.
 foreach(program mba_vo_calibrate mba_vo_offline mba_vo_simulate)

@@ -30,6 +30,7 @@ function(mba_vo_rostest name)
   set(node mba_vo_${name}_test)
   add_executable(${node} ${ros_test_folder}/${name}_test.cpp ${ros_test_folder}/live_odometry.cpp ${ARG_SOURCES})
   mba_vo_ros_target(${node})
+  target_include_directories(${node} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/test)
   target_link_libraries(${node} PRIVATE mba_vo_ros ${ARG_DEPENDS} GTest::gtest)
   add_dependencies(${node} mba_vo_nodelets)
   add_test(NAME mba_vo_rostest_${name} COMMAND ${PYTHON_EXECUTABLE} ${MBA_VO_ROSTEST} --text
@@ -39,6 +40,7 @@ function(mba_vo_rostest name)
 endfunction()
 
 mba_vo_rostest(bad_input TIMEOUT 320 SOURCES ${ros_test_folder}/bad_topics_test.cpp)
+mba_vo_rostest(camera TIMEOUT 120)
 mba_vo_rostest(play_bag TIMEOUT 520 SOURCES ${ros_test_folder}/demo_sequence.cpp DEPENDS mba_vo_evaluation
   ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
 mba_vo_rostest(deblurring TIMEOUT 320 SOURCES ${ros_test_folder}/demo_sequence.cpp DEPENDS mba_vo_evaluation

@@ -15,8 +15,8 @@ core=(
 )
 ros=(
   # to build
-  catkin libcv-bridge-dev libimage-transport-dev libnav-msgs-dev libnodeletlib-dev librosbag-dev libroscpp-dev
-  librostest-dev libsensor-msgs-dev libstd-srvs-dev libtf2-ros-dev pluginlib-dev ros-geometry-msgs
+  catkin libcamera-info-manager-dev libcv-bridge-dev libimage-transport-dev libnav-msgs-dev libnodeletlib-dev librosbag-dev
+  libroscpp-dev librostest-dev libsensor-msgs-dev libstd-srvs-dev libtf2-ros-dev pluginlib-dev ros-geometry-msgs
   ros-message-generation ros-message-runtime ros-std-msgs
   # to run
   libnodeletlib-tools python3-genpy python3-geometry-msgs python3-nav-msgs python3-rosbag python3-roslaunch

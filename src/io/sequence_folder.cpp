@@ -1,15 +1,11 @@
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <iomanip>
 #include <map>
-#include <set>
 #include <sstream>
 #include <stdexcept>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "mba_vo/io/camera_yaml.h"
+#include "mba_vo/io/image_files.h"
 #include "mba_vo/io/sequence.h"
 #include "mba_vo/io/times_file.h"
 
@@ -20,40 +16,11 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFolderOfExposures = "images";  // times.txt speaks of these images
 
-std::string lowerCaseExtension(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
-/// Name without extension -> file, of every image in `folder`.
-std::map<std::string, fs::path> imagesByName(const fs::path& folder) {
-  const std::set<std::string> extensions{".webp", ".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".tif", ".tiff"};
-  std::map<std::string, fs::path> images;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (extensions.count(lowerCaseExtension(entry.path())) != 0) {
-      images[entry.path().stem().string()] = entry.path();
-    }
-  }
-  return images;
-}
-
 std::string nameOfImage(std::uint64_t id) {
   constexpr int kDigits = 6;
   std::ostringstream name;
   name << std::setw(kDigits) << std::setfill('0') << id;
   return name.str();
-}
-
-/// Colour and depth as stored, except that webp knows no grey images.
-cv::Mat readImage(const fs::path& file) {
-  const int flags = lowerCaseExtension(file) == ".webp" ? cv::IMREAD_GRAYSCALE : cv::IMREAD_UNCHANGED;
-  try {
-    return cv::imread(file.string(), flags);
-  } catch (const cv::Exception&) {
-    return {};
-  }
 }
 
 class SequenceFolder : public SequenceReader {

@@ -31,10 +31,7 @@ BagImageWriter::~BagImageWriter() {
 
 void BagImageWriter::write(std::int64_t mid_exposure_ns, std::optional<double> exposure, const cv::Mat& image) {
   const std::int64_t half = std::llround(0.5e9 * exposure.value_or(0.0));
-  std::int64_t stamp = mid_exposure_ns;
-  if (stamp_reference_ != StampReference::kMiddle) {
-    stamp += stamp_reference_ == StampReference::kStart ? -half : half;
-  }
+  const std::int64_t stamp = stampOf(mid_exposure_ns, exposure, stamp_reference_);
   // Zero means "no time" in ROS, and the seconds of a stamp are 32 bits wide.
   if (stamp <= 0 || mid_exposure_ns + half >= (std::int64_t{1} << 32) * 1'000'000'000) {
     throw std::runtime_error("image time is " + std::to_string(1e-9 * static_cast<double>(stamp)) +

@@ -102,6 +102,10 @@ std::int64_t midExposure(std::int64_t stamp_ns, std::optional<double> exposure, 
   return reference == StampReference::kStart ? stamp_ns + half : stamp_ns - half;
 }
 
+std::int64_t stampOf(std::int64_t mid_exposure_ns, std::optional<double> exposure, StampReference reference) {
+  return 2 * mid_exposure_ns - midExposure(mid_exposure_ns, exposure, reference);
+}
+
 std::optional<double> exposureFromMessage(double exposure_time) {
   return std::isnan(exposure_time) ? std::nullopt : std::make_optional(exposure_time);
 }

@@ -91,28 +91,30 @@ YAML::Node toYaml(XmlRpc::XmlRpcValue& value) {
 
 }  // namespace
 
-std::optional<double> NodeConfig::fixedExposure() const {
-  if (exposure_time == "auto") {
+std::optional<double> parseExposure(const std::string& key, const std::string& text) {
+  if (text == "auto") {
     return std::nullopt;
   }
   double value = 0.0;
   std::size_t used = 0;
   try {
-    value = std::stod(exposure_time, &used);
+    value = std::stod(text, &used);
   } catch (const std::exception&) {
     used = 0;
   }
-  const bool number = used > 0 && used == exposure_time.size();
+  const bool number = used > 0 && used == text.size();
   if (number && std::isnan(value)) {
     return std::nullopt;
   }
   if (!number || value < 0.0 || value > 10.0) {
-    throw std::invalid_argument("exposure_time is '" + exposure_time +
+    throw std::invalid_argument(key + " is '" + text +
                                 "'; allowed: auto, nan, or seconds (not milli- or microseconds) from 0 "
                                 "(instantaneous) to 10");
   }
   return value;
 }
+
+std::optional<double> NodeConfig::fixedExposure() const { return parseExposure("exposure_time", exposure_time); }
 
 NodeConfig parseNodeConfig(const YAML::Node& parameters) {
   NodeConfig config;

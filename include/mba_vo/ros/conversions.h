@@ -43,6 +43,9 @@ const char* toString(StampReference reference);
 /// Middle of the exposure [ns]. With unknown exposure the stamp is taken as the middle.
 std::int64_t midExposure(std::int64_t stamp_ns, std::optional<double> exposure, StampReference reference);
 
+/// The stamp of an image whose middle of exposure is known [ns]: the inverse.
+std::int64_t stampOf(std::int64_t mid_exposure_ns, std::optional<double> exposure, StampReference reference);
+
 /// Exposure [s] in a message: NaN = unknown.
 std::optional<double> exposureFromMessage(double exposure_time);
 double exposureToMessage(std::optional<double> exposure);

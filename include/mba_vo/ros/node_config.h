@@ -80,6 +80,10 @@ struct NodeConfig {
   std::optional<double> fixedExposure() const;
 };
 
+/// An exposure [s] from 0 to 10, or nullopt for "auto" and "nan". Throws std::invalid_argument naming the key and the
+/// text otherwise.
+std::optional<double> parseExposure(const std::string& key, const std::string& text);
+
 /// Reads and validates a tree of parameters. Throws std::invalid_argument naming the key, the value and what is
 /// allowed.
 NodeConfig parseNodeConfig(const YAML::Node& parameters);

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include <opencv2/core.hpp>
+
+namespace mba_vo {
+
+/// Name without extension -> file, of every image in `folder`.
+std::map<std::string, std::filesystem::path> imagesByName(const std::filesystem::path& folder);
+
+/// Colour and depth as stored, except that webp, which knows no grey images, is read as grey. Empty if it cannot be
+/// read.
+cv::Mat readImage(const std::filesystem::path& file);
+
+}  // namespace mba_vo

@@ -1,0 +1,43 @@
+#include "mba_vo/io/image_files.h"
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include <opencv2/imgcodecs.hpp>
+
+namespace mba_vo {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string lowerCaseExtension(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+}  // namespace
+
+std::map<std::string, fs::path> imagesByName(const fs::path& folder) {
+  const std::set<std::string> extensions{".webp", ".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".tif", ".tiff"};
+  std::map<std::string, fs::path> images;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (extensions.count(lowerCaseExtension(entry.path())) != 0) {
+      images[entry.path().stem().string()] = entry.path();
+    }
+  }
+  return images;
+}
+
+cv::Mat readImage(const fs::path& file) {
+  const int flags = lowerCaseExtension(file) == ".webp" ? cv::IMREAD_GRAYSCALE : cv::IMREAD_UNCHANGED;
+  try {
+    return cv::imread(file.string(), flags);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
+}  // namespace mba_vo
