@@ -19,7 +19,7 @@ add_message_files(FILES ExposureMotion.msg ExposureStamped.msg MapperStatus.msg 
 generate_messages(DEPENDENCIES ${MBA_VO_MESSAGE_PACKAGES})
 catkin_package(
   INCLUDE_DIRS include
-  CATKIN_DEPENDS message_runtime nav_msgs nodelet roscpp sensor_msgs std_srvs ${MBA_VO_MESSAGE_PACKAGES}
+  CATKIN_DEPENDS message_runtime roscpp ${MBA_VO_MESSAGE_PACKAGES}
   CFG_EXTRAS mba_vo-library.cmake)
 
 function(mba_vo_ros_target target)
