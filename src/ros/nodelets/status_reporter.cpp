@@ -39,6 +39,8 @@ void StatusReporter::imageRejected(std::int64_t stamp_ns, const std::string& rea
 void StatusReporter::imageRepeated(std::int64_t stamp_ns, const std::string& reason) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++status_.frames_repeated;
+  rejection_.clear();
+  any_usable_ = true;
   status_.header.stamp = toRosTime(stamp_ns);
   publishLocked(reason);
 }
@@ -103,6 +105,7 @@ void StatusReporter::referenceStale() {
 void StatusReporter::wasReset(const std::string& reason) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++status_.resets;
+  rejection_.clear();
   status_.state = Status::WAITING;
   status_.map_id = 0;
   status_.keyframe_id = 0;
