@@ -49,8 +49,8 @@ class ExposureControl {
 
  private:
   v4l2_queryctrl requireRange() const;
-  int setManual(double seconds);
-  void fix(double seconds);
+  int setManual(double wanted);
+  void fix(double wanted);
   void setRegulated(double longest);
   void regulate(const cv::Mat& image);
   void setAutomatic(bool dynamic_frame_rate);
