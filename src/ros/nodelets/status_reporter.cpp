@@ -114,6 +114,11 @@ void StatusReporter::publish(const std::string& waiting_for, std::size_t queue_b
   publishLocked(waiting_for.empty() ? status_.reason : waiting_for);
 }
 
+Status StatusReporter::snapshot() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return status_;
+}
+
 void StatusReporter::publishLocked(const std::string& reason) {
   Status message = status_;
   message.reason = reason;

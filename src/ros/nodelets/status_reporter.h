@@ -32,11 +32,12 @@ class StatusReporter {
   void wasReset(const std::string& reason);
   /// Publishes the present state; `waiting_for`: what is missing at the input, empty = nothing.
   void publish(const std::string& waiting_for, std::size_t queue_bytes);
+  Status snapshot() const;
 
  private:
   void publishLocked(const std::string& reason);
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   Status status_;
   ros::Publisher publisher_;
 };

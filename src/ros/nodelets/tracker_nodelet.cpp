@@ -1,4 +1,6 @@
 #include <memory>
+#include <string>
+#include <utility>
 
 #include <image_transport/image_transport.h>
 #include <mba_vo/ExposureStamped.h>
@@ -7,6 +9,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "calibration_store.h"
+#include "diagnostics_publisher.h"
 #include "tracker_worker.h"
 
 namespace mba_vo {
@@ -49,6 +52,7 @@ class TrackerNodelet final : public nodelet::Nodelet {
     status_ = std::make_unique<StatusReporter>(nh);
     calibration_ = std::make_unique<CalibrationStore>(nh.resolveName("camera_info"), config.rectified);
     worker_ = std::make_unique<TrackerWorker>(nh, config, *status_);
+    diagnostics_ = std::make_unique<TrackerDiagnostics>(nh, getPrivateNodeHandle(), getName());
     connect(nh, config);
   }
 
@@ -121,6 +125,18 @@ class TrackerNodelet final : public nodelet::Nodelet {
       NODELET_WARN_STREAM_THROTTLE(kWarnPeriod, missing);
     }
     status_->publish(missing, worker_->queueBytes());
+    diagnose(missing);
+  }
+
+  void diagnose(const std::string& missing) {
+    TrackerHealth health;
+    health.now = status_->snapshot();
+    health.latency = worker_->latency();
+    health.missing_input = missing;
+    if (const auto calibration = calibration_->get()) {
+      health.calibration = describe(*calibration) + (worker_->isCorrected() ? ", corrected by the images" : "");
+    }
+    diagnostics_->update(std::move(health));
   }
 
   std::string missingInput() const {
@@ -148,6 +164,7 @@ class TrackerNodelet final : public nodelet::Nodelet {
   std::unique_ptr<StatusReporter> status_;
   std::unique_ptr<CalibrationStore> calibration_;
   std::unique_ptr<TrackerWorker> worker_;
+  std::unique_ptr<TrackerDiagnostics> diagnostics_;
   std::unique_ptr<image_transport::ImageTransport> transport_;
   image_transport::Subscriber image_subscriber_;
   image_transport::Subscriber depth_subscriber_;
