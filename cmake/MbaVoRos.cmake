@@ -11,8 +11,9 @@ if(CMAKE_SOURCE_DIR STREQUAL CMAKE_CURRENT_SOURCE_DIR AND NOT DEFINED CATKIN_DEV
 endif()
 
 set(MBA_VO_MESSAGE_PACKAGES geometry_msgs std_msgs)
-find_package(catkin REQUIRED COMPONENTS camera_info_manager cv_bridge geometry_msgs image_transport message_generation nav_msgs nodelet
-  pluginlib rosbag rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_ros)
+find_package(catkin REQUIRED COMPONENTS camera_info_manager cv_bridge diagnostic_updater geometry_msgs image_transport
+  message_generation nav_msgs nodelet pluginlib rosbag rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_ros
+  visualization_msgs)
 
 add_message_files(FILES ExposureMotion.msg ExposureStamped.msg MapperStatus.msg ReferenceSummary.msg Status.msg
   TrackedFrameSummary.msg)

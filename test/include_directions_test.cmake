@@ -20,7 +20,7 @@ set(simulation_may geometry image)
 set(evaluation_may geometry)
 set(modules geometry solver image blur tracking deblur depth_search window initialization relocalization trajectory
     mapping odometry io capture simulation evaluation)
-set(ros_headers "ros/|rosbag/|nodelet/|pluginlib/|cv_bridge/|image_transport/|camera_info_manager/|tf2|sensor_msgs/|nav_msgs/|geometry_msgs/|std_msgs/|mba_vo/[A-Z]")
+set(ros_headers "ros/|rosbag/|nodelet/|pluginlib/|cv_bridge/|image_transport/|camera_info_manager/|tf2|sensor_msgs/|nav_msgs/|geometry_msgs/|std_msgs/|visualization_msgs/|diagnostic_|mba_vo/[A-Z]")
 
 set(violations "")
 set(checked 0)

@@ -1,5 +1,6 @@
 #include "mba_vo/io/points_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iomanip>
@@ -29,6 +30,20 @@ void writePoints(const std::vector<MapPoint>& points, std::ostream& out) {
     map = point.map_id;
     const Eigen::Vector3d& p = point.position_map;
     out << formatSeconds(point.keyframe_ns) << ' ' << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
+  }
+}
+
+void writePointsPly(const std::vector<MapPoint>& points, std::ostream& out) {
+  constexpr int kDigits = 9;
+  out << "ply\nformat ascii 1.0\ncomment mba_vo: camera axes (z forward, x right, y down) of the map's first keyframe\n"
+      << "element vertex " << points.size() << "\nproperty float x\nproperty float y\nproperty float z\n"
+      << "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uint keyframe\nend_header\n"
+      << std::setprecision(kDigits);
+  for (const MapPoint& point : points) {
+    const Eigen::Vector3d& p = point.position_map;
+    const int grey = static_cast<int>(std::lround(std::clamp(point.intensity, 0.0F, 255.0F)));
+    out << p.x() << ' ' << p.y() << ' ' << p.z() << ' ' << grey << ' ' << grey << ' ' << grey << ' '
+        << point.keyframe_id << '\n';
   }
 }
 

@@ -7,22 +7,34 @@
 namespace mba_vo {
 
 KeyframeDeblurring::KeyframeDeblurring(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer)
-    : checks_(config.deblur.check) {
-  if (!deblurrer) {
-    if (config.deblur.method == "none") return;
-    deblurrer = makeDeblurrer(config.deblur);
+    : config_(config), for_display_(config.deblur.method == "none" && !deblurrer) {
+  if (for_display_) {
+    config_.deblur.method = "trajectory";
+  } else {
+    begin(deblurrer ? std::move(deblurrer) : makeDeblurrer(config.deblur));
   }
-  queue_.emplace(config.deblur_queue, std::move(deblurrer), config.deterministic);
-  if (config.deblur.method == "trajectory" && config.deblur.trajectory.frames > 1) neighbours_.emplace();
+}
+
+void KeyframeDeblurring::begin(std::shared_ptr<const Deblurrer> deblurrer) {
+  queue_.emplace(config_.deblur_queue, std::move(deblurrer), config_.deterministic);
+  if (config_.deblur.method == "trajectory" && config_.deblur.trajectory.frames > 1) neighbours_.emplace();
+}
+
+void KeyframeDeblurring::setWatched(bool watched) {
+  if (watched_ == watched) return;
+  watched_ = watched;
+  if (!for_display_) return;
+  if (!watched) return forgetMap();
+  if (!queue_) begin(makeDeblurrer(config_.deblur));
 }
 
 void KeyframeDeblurring::remember(const TrackedFrameConstPtr& frame) {
-  if (neighbours_) neighbours_->add(frame);
+  if (neighbours_ && !isIdle()) neighbours_->add(frame);
 }
 
 void KeyframeDeblurring::offer(const LocalMap& map, const Reference& keyframe, const FrameConstPtr& frame,
                                const ExposureTrajectory& motion, const std::optional<Vector6>& measured_velocity) {
-  if (!queue_ || (frame->exposure && !(*frame->exposure > 0.0))) return;
+  if (isIdle() || (frame->exposure && !(*frame->exposure > 0.0))) return;
   DeblurTask task;
   task.keyframe = keyframe.id.keyframe_id;
   task.blur_px = measureFrame(keyframe, motion).blur_length_px;
@@ -40,7 +52,8 @@ std::optional<SharpKeyframe> KeyframeDeblurring::takeReady(LocalMap& map, Keyfra
   const std::optional<DeblurredKeyframe> ready = queue_->take([&](KeyframeId id) { return map.has(id); });
   if (!ready) return std::nullopt;
   SharpKeyframe sharp{ready->keyframe, map.frame(ready->keyframe), ready->result.image, false};
-  if (checks_ && !map.explainsAsWell(sharp.keyframe_id, sharp.image)) return sharp;
+  if (for_display_) return sharp;
+  if (config_.deblur.check && !map.explainsAsWell(sharp.keyframe_id, sharp.image)) return sharp;
   map.replaceImage(sharp.keyframe_id, sharp.image);
   archive.replace(*map.makeReference(sharp.keyframe_id), *sharp.frame);
   sharp.in_map = true;

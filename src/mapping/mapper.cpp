@@ -125,6 +125,7 @@ Mapper::~Mapper() = default;
 MapperOutput Mapper::process(const TrackedFrameConstPtr& frame, bool has_time) {
   return impl_->process(frame, has_time);
 }
+void Mapper::watchSharpKeyframes(bool watched) { impl_->watchSharpKeyframes(watched); }
 bool Mapper::doDeferredWork() { return impl_->doDeferredWork(); }
 std::vector<TrajectoryEntry> Mapper::finishedTrajectory() const { return impl_->finishedTrajectory(); }
 void Mapper::reset() { impl_->reset(); }

@@ -19,6 +19,7 @@ class Mapper::Impl {
   Impl(const MapperConfig& config, DraftCallback on_draft, std::shared_ptr<const Deblurrer> deblurrer);
 
   MapperOutput process(const TrackedFrameConstPtr& frame, bool has_time);
+  void watchSharpKeyframes(bool watched) { deblurring_.setWatched(watched); }
   bool doDeferredWork() { return map_ && deferred_.doNext(*map_, store_); }
   std::vector<TrajectoryEntry> finishedTrajectory() const;
   void reset();

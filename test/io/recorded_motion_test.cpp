@@ -102,6 +102,19 @@ TEST(PointsFile, IsReadAsItWasWritten) {
   }
 }
 
+TEST(PointsFile, PlyHasAVertexPerPoint) {
+  MapPoint bright = pointAt(1.25, -2.5, 3.0, 1'305'031'453'500'000'000, 1);
+  bright.intensity = 300.0F;
+  bright.keyframe_id = 7;
+  MapPoint grey = pointAt(0.5, 0.25, 4.0, 1'305'031'454'000'000'000, 1);
+  grey.intensity = 99.6F;
+  std::ostringstream text;
+  writePointsPly({bright, grey}, text);
+  EXPECT_EQ(text.str().rfind("ply\nformat ascii 1.0\n", 0), 0U);
+  EXPECT_THAT(text.str(), testing::HasSubstr("\nelement vertex 2\nproperty float x\n"));
+  EXPECT_THAT(text.str(), testing::HasSubstr("end_header\n1.25 -2.5 3 255 255 255 7\n0.5 0.25 4 100 100 100 0\n"));
+}
+
 TEST(PointsFile, NamesFileAndLineOfWhatIsWrong) {
   const TemporaryFolder folder;
   EXPECT_THAT(messageOf([] { readPoints("/nonexistent.txt"); }), testing::HasSubstr("/nonexistent.txt"));

@@ -129,6 +129,43 @@ TEST(KeyframeDeblur, AnImageThatExplainsTheOtherKeyframesBetterGetsIntoTheMap) {
   EXPECT_GT(mapper.deblurCounts().in_map, 0U);
 }
 
+/// What is handed out while somebody looks, where no method is named.
+TEST(KeyframeDeblur, WhileSomebodyLooksKeyframesAreSharpenedAndTheMapStaysAsItIs) {
+  MapperConfig none = eager(true);
+  none.deblur.trajectory.min_blur_px = 0.2;
+  none.deblur.trajectory.max_residual = none.deblur.trajectory.max_disagreement = 10.0;
+  none.deblur.trajectory.steps = none.deblur.trajectory.iterations = 1;
+  Mapper unwatched(none);
+  Mapper watched(none);
+  Follower follower(unwatched, twins().blurred);
+  Follower looker(watched, twins().blurred);
+  watched.watchSharpKeyframes(true);
+  std::uint64_t sharpened = 0;
+  while (sharpened < 2 && !looker.atEnd()) {
+    const MapperOutput alone = follower.step();
+    const MapperOutput output = looker.step();
+    EXPECT_FALSE(alone.sharp_keyframe);
+    ASSERT_EQ(static_cast<bool>(alone.reference), static_cast<bool>(output.reference));
+    if (output.reference) {
+      EXPECT_EQ(output.reference->T_map_reference.log(), alone.reference->T_map_reference.log());
+      EXPECT_FALSE(output.reference->image_xi.isZero(0.0)) << "the map goes on with the original";
+    }
+    if (!output.sharp_keyframe) continue;
+    ++sharpened;
+    EXPECT_FALSE(output.sharp_keyframe->in_map);
+    EXPECT_NE(output.sharp_keyframe->image->level(0).intensity.data,
+              output.sharp_keyframe->frame->pyramid.level(0).intensity.data);
+  }
+  EXPECT_EQ(sharpened, 2U);
+  EXPECT_EQ(unwatched.deblurCounts().offered, 0U) << "nobody looks: it costs nothing";
+
+  watched.watchSharpKeyframes(false);
+  const DeblurCounts before = watched.deblurCounts();
+  EXPECT_EQ(before.waiting, 0U);
+  while (!looker.atEnd()) EXPECT_FALSE(looker.step().sharp_keyframe);
+  EXPECT_EQ(watched.deblurCounts().offered, before.offered) << "nobody looks any more";
+}
+
 TEST(KeyframeDeblur, TheMapGoesOnWhileTheCpuIsTooSlow) {
   const auto slow = std::make_shared<SlowDeblurrer>(truth);
   MapperConfig busy = eager(false);

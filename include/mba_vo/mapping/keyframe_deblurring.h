@@ -22,12 +22,15 @@ struct SharpKeyframe {
 
 /// Gives keyframes to the deblurrer while the map goes on with their blurred images, and puts the sharp ones in their
 /// places: in the window, and among the keyframes that a lost camera is found by. A sharp image with which the keyframe
-/// would explain the others of the window worse does not get into the map.
+/// would explain the others of the window worse does not get into the map. Where the configuration names no method,
+/// keyframes are deblurred along their trajectories while somebody looks, and the map goes on with the blurred ones.
 class KeyframeDeblurring {
  public:
   /// `deblurrer`: null for the one that the configuration names.
   KeyframeDeblurring(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer);
 
+  /// Whether anybody looks at sharp keyframes. While nobody does, those that are not for the map are not made.
+  void setWatched(bool watched);
   /// With every tracked frame, also one that was tracked again: it may help with a keyframe near by.
   void remember(const TrackedFrameConstPtr& frame);
   /// A new keyframe of the map. `motion`: relative to it. `measured_velocity`: by another measurement, if there is one.
@@ -44,7 +47,12 @@ class KeyframeDeblurring {
   DeblurCounts counts() const;
 
  private:
-  bool checks_;                                // images before they get into the map
+  void begin(std::shared_ptr<const Deblurrer> deblurrer);
+  bool isIdle() const { return !queue_ || (for_display_ && !watched_); }
+
+  MapperConfig config_;
+  bool for_display_ = false;  // and not for the map
+  bool watched_ = false;
   std::optional<DeblurQueue> queue_;           // none if keyframes are not deblurred
   std::optional<NeighbourFrames> neighbours_;  // none if keyframes are deblurred by themselves
   std::uint64_t in_map_ = 0;

@@ -42,6 +42,9 @@ class Mapper {
   /// map in this frame, or for depths.
   MapperOutput process(const TrackedFrameConstPtr& frame, bool has_time = true);
 
+  /// Whether anybody looks at sharp keyframes: only then are those made that are not for the map.
+  void watchSharpKeyframes(bool watched);
+
   /// Does a piece of what can wait for a free moment: tracks one frame that came before the map's first keyframe. False
   /// if there is nothing to do, or not yet.
   bool doDeferredWork();

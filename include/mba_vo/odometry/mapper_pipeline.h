@@ -54,6 +54,7 @@ class MapperPipeline {
   /// After something has gone wrong: forgets the map. Returns what tells the tracker so, null if there was none.
   MapperMessage recover(const std::string& reason);
   void reset();
+  void watchSharpKeyframes(bool watched) { mapper_.watchSharpKeyframes(watched); }
 
   const Mapper& mapper() const { return mapper_; }
 

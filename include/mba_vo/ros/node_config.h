@@ -40,6 +40,7 @@ struct NodeConfig {
   double path_period = 0.5;
   double points_period = 1.0;
   bool record = true;
+  bool save_on_shutdown = false;
   std::string output_directory = "mba_vo_output";
   OdometryConfig odometry;
 
@@ -70,6 +71,7 @@ struct NodeConfig {
     v("path_period", c.path_period, 0.0, 3600.0, "shortest time between two messages on path [s]");
     v("points_period", c.points_period, 0.0, 3600.0, "shortest time between two messages on points [s]");
     v("record", c.record, "write down what is published: online_trajectory.txt, online_odometry.txt, frames.csv");
+    v("save_on_shutdown", c.save_on_shutdown, "do as save_trajectory does when the mapper ends");
     v("output_directory", c.output_directory,
       "where that and save_trajectory go; relative to the node's working directory");
     OdometryConfig::describe(c.odometry, v);

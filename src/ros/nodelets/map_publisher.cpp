@@ -12,7 +12,8 @@ MapPublisher::MapPublisher(ros::NodeHandle& nh, const NodeConfig& config)
       path_(nh.advertise<nav_msgs::Path>("path", 1)),
       points_(nh.advertise<sensor_msgs::PointCloud2>("points", 1)),
       keyframe_image_(nh.advertise<sensor_msgs::Image>("keyframe/image", 2)),
-      sharp_keyframe_(nh.advertise<sensor_msgs::Image>("keyframe/sharp", 2)) {}
+      sharp_keyframe_(nh.advertise<sensor_msgs::Image>("keyframe/sharp", 2)),
+      original_keyframe_(nh.advertise<sensor_msgs::Image>("keyframe/original", 2)) {}
 
 void MapPublisher::publish(const Mapper& mapper, const SE3& T_base_camera, const ros::Time& stamp) {
   if (due(path_, path_period_, last_path_)) {
@@ -30,9 +31,17 @@ void MapPublisher::publishKeyframe(const Reference& reference, const std::string
   }
 }
 
+bool MapPublisher::wantsSharpKeyframes() const {
+  return sharp_keyframe_.getNumSubscribers() > 0 || original_keyframe_.getNumSubscribers() > 0;
+}
+
 void MapPublisher::publishSharpKeyframe(const SharpKeyframe& keyframe, const std::string& camera_frame) {
+  const ros::Time stamp = toRosTime(keyframe.frame->stamp_ns);
+  if (original_keyframe_.getNumSubscribers() > 0) {
+    original_keyframe_.publish(makeKeyframeImage(keyframe.frame->pyramid, camera_frame, stamp));
+  }
   if (sharp_keyframe_.getNumSubscribers() > 0) {
-    sharp_keyframe_.publish(makeKeyframeImage(*keyframe.image, camera_frame, toRosTime(keyframe.frame->stamp_ns)));
+    sharp_keyframe_.publish(makeKeyframeImage(*keyframe.image, camera_frame, stamp));
   }
 }
 

@@ -9,7 +9,7 @@
 
 namespace mba_vo {
 
-/// Publishes what the mapper knows: path, points, keyframe/image and keyframe/sharp, only if anybody listens and not
+/// Publishes what the mapper knows: path, points, and the images of keyframes, only if anybody listens and not
 /// more often than asked for.
 class MapPublisher {
  public:
@@ -18,6 +18,9 @@ class MapPublisher {
   /// After each frame. `T_base_camera` of the camera that sees the map.
   void publish(const Mapper& mapper, const SE3& T_base_camera, const ros::Time& stamp);
   void publishKeyframe(const Reference& reference, const std::string& camera_frame, const ros::Time& stamp);
+  /// Whether anybody looks at sharp keyframes.
+  bool wantsSharpKeyframes() const;
+  /// With it the same keyframe as it came.
   void publishSharpKeyframe(const SharpKeyframe& keyframe, const std::string& camera_frame);
 
  private:
@@ -31,6 +34,7 @@ class MapPublisher {
   ros::Publisher points_;
   ros::Publisher keyframe_image_;
   ros::Publisher sharp_keyframe_;
+  ros::Publisher original_keyframe_;  // of the sharp one
   ros::SteadyTime last_path_;
   ros::SteadyTime last_points_;
 };

@@ -1,12 +1,14 @@
-#include <filesystem>
+#include <functional>
 #include <memory>
+#include <string>
 
 #include <nodelet/nodelet.h>
 #include <std_srvs/Trigger.h>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "diagnostics_publisher.h"
+#include "map_saving.h"
 #include "mapper_worker.h"
-#include "mba_vo/io/trajectory_writer.h"
 
 namespace mba_vo {
 namespace {
@@ -14,12 +16,21 @@ namespace {
 constexpr int kFrameQueue = 1000;      // callbacks only move the frame on, into the queue that is bounded in bytes
 constexpr double kStatusPeriod = 1.0;  // [s]
 constexpr double kWarnPeriod = 5.0;    // [s]
-constexpr std::chrono::seconds kSaveTimeout(60);
+constexpr std::chrono::seconds kShutdownTimeout(10);  // roslaunch kills after 15 s
 
 }  // namespace
 
 /// The mapper's doors to ROS. Callbacks only hand things on to the worker.
 class MapperNodelet final : public nodelet::Nodelet {
+ public:
+  /// No callback comes any more, and the worker still works.
+  ~MapperNodelet() override {
+    if (save_on_shutdown_ && worker_) saveAtTheEnd();
+  }
+  MapperNodelet() = default;
+  MapperNodelet(const MapperNodelet&) = delete;
+  MapperNodelet& operator=(const MapperNodelet&) = delete;
+
  private:
   void onInit() override {
     try {
@@ -33,11 +44,14 @@ class MapperNodelet final : public nodelet::Nodelet {
   void start(ros::NodeHandle& nh) {
     const NodeConfig config = parseNodeConfig(readParameters(nh));
     output_directory_ = config.output_directory;
+    save_on_shutdown_ = config.save_on_shutdown;
     status_ = std::make_unique<MapperStatusReporter>(nh);
+    diagnostics_ = std::make_unique<MapperDiagnostics>(nh, getPrivateNodeHandle(), getName());
     worker_ = std::make_unique<MapperWorker>(nh, config, *status_);
     frame_subscriber_ = nh.subscribe("tracked_frame", kFrameQueue, &MapperNodelet::onFrame, this);
-    // On another queue: it waits for the worker, and frames must go on arriving meanwhile.
+    // On another queue: they wait for the worker, and frames must go on arriving meanwhile.
     save_server_ = getMTNodeHandle().advertiseService("save_trajectory", &MapperNodelet::onSave, this);
+    save_points_server_ = getMTNodeHandle().advertiseService("save_points", &MapperNodelet::onSavePoints, this);
     status_timer_ = nh.createSteadyTimer(ros::WallDuration(kStatusPeriod), &MapperNodelet::onStatusTimer, this);
   }
 
@@ -55,34 +69,24 @@ class MapperNodelet final : public nodelet::Nodelet {
   }
 
   bool onSave(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
+    return answer("save_trajectory", response, [this] { return saveTrajectory(output_directory_, *worker_); });
+  }
+
+  bool onSavePoints(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
+    return answer("save_points", response, [this] { return savePoints(output_directory_, *worker_); });
+  }
+
+  bool answer(const char* service, std_srvs::Trigger::Response& response, const std::function<std::string()>& save) {
     try {
-      auto future = worker_->trajectory();
-      if (future.wait_for(kSaveTimeout) != std::future_status::ready) {
-        throw std::runtime_error("the mapper is still busy after " + std::to_string(kSaveTimeout.count()) + " s");
-      }
-      response.message = save(future.get());
+      response.message = save();
       response.success = true;
       NODELET_INFO_STREAM(response.message);
     } catch (const std::exception& error) {
       response.message = error.what();
       response.success = false;
-      NODELET_ERROR_STREAM("save_trajectory: " << error.what());
+      NODELET_ERROR_STREAM(service << ": " << error.what());
     }
     return true;
-  }
-
-  std::string save(const std::vector<TrajectoryEntry>& trajectory) const {
-    if (trajectory.empty()) throw std::runtime_error("there is no pose to save: no image has been tracked yet");
-    const std::filesystem::path folder = std::filesystem::absolute(output_directory_);
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) {
-      throw std::runtime_error("folder '" + folder.string() + "' cannot be made: " + error.message());
-    }
-    writeFile((folder / "trajectory.txt").string(), [&](std::ostream& out) { writeTrajectory(trajectory, out); });
-    writeFile((folder / "exposure_trajectory.txt").string(),
-              [&](std::ostream& out) { writeExposureTrajectory(trajectory, out); });
-    return std::to_string(trajectory.size()) + " poses written to " + folder.string();
   }
 
   void onStatusTimer(const ros::SteadyTimerEvent& /*event*/) {
@@ -93,14 +97,26 @@ class MapperNodelet final : public nodelet::Nodelet {
                                                     << "; load mba_vo/Tracker into the manager of the mapper");
     }
     status_->publish(worker_->queueBytes());
+    diagnostics_->update(status_->snapshot(), worker_->busySeconds());
   }
 
+  void saveAtTheEnd() const {
+    try {
+      NODELET_INFO_STREAM(saveTrajectory(output_directory_, *worker_, kShutdownTimeout));
+    } catch (const std::exception& error) {
+      NODELET_ERROR_STREAM("save_on_shutdown: " << error.what());
+    }
+  }
+
+  bool save_on_shutdown_ = false;
   std::string output_directory_;
   double alone_ = 0.0;  // for how long there has been no tracker [s]
   std::unique_ptr<MapperStatusReporter> status_;
   std::unique_ptr<MapperWorker> worker_;
+  std::unique_ptr<MapperDiagnostics> diagnostics_;
   ros::Subscriber frame_subscriber_;
   ros::ServiceServer save_server_;
+  ros::ServiceServer save_points_server_;
   ros::SteadyTimer status_timer_;
 };
 

@@ -1,6 +1,7 @@
 #include "mapper_worker.h"
 
 #include <optional>
+#include <utility>
 
 #include <ros/ros.h>
 #include <boost/make_shared.hpp>
@@ -39,7 +40,37 @@ std::future<std::vector<TrajectoryEntry>> MapperWorker::trajectory() {
   return future;
 }
 
+std::future<std::vector<MapPoint>> MapperWorker::points() {
+  std::promise<std::vector<MapPoint>> promise;
+  auto future = promise.get_future();
+  {
+    const std::lock_guard<std::mutex> lock(requests_mutex_);
+    points_requests_.push_back(std::move(promise));
+  }
+  thread_.wake();
+  return future;
+}
+
 bool MapperWorker::step() {
+  const ros::SteadyTime begin = ros::SteadyTime::now();
+  const bool worked = work();
+  if (worked) busy_seconds_ = busy_seconds_ + (ros::SteadyTime::now() - begin).toSec();
+  return worked;
+}
+
+bool MapperWorker::answerPoints() {
+  std::vector<std::promise<std::vector<MapPoint>>> requests;
+  {
+    const std::lock_guard<std::mutex> lock(requests_mutex_);
+    requests.swap(points_requests_);
+  }
+  for (auto& request : requests) request.set_value(pipeline_.mapper().points());
+  return !requests.empty();
+}
+
+bool MapperWorker::work() {
+  if (answerPoints()) return true;
+  pipeline_.watchSharpKeyframes(map_publisher_.wantsSharpKeyframes());
   const std::optional<MapperStep> step = pipeline_.step();
   if (step && step->kind == MapperStep::Kind::kFrame) publishFrame(*step);
   return step.has_value();

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <atomic>
 #include <future>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -21,10 +23,16 @@ class MapperWorker {
   void addFrame(const TrackedFrameMessageConstPtr& frame);
   /// The trajectory after all frames added so far have been processed. Broken if the worker ends before.
   std::future<std::vector<TrajectoryEntry>> trajectory();
+  /// The points of the present map.
+  std::future<std::vector<MapPoint>> points();
   std::size_t queueBytes() const { return pipeline_.queueBytes(); }
+  /// How long it has worked since the start [s].
+  double busySeconds() const { return busy_seconds_; }
 
  private:
   bool step();
+  bool work();
+  bool answerPoints();
   void recover(const std::string& what);
   void publishFrame(const MapperStep& step);
   void publishReference(const MapperMessage& message);
@@ -34,6 +42,9 @@ class MapperWorker {
   ros::Publisher references_;
   MapPublisher map_publisher_;
   MapperPipeline pipeline_;
+  std::atomic<double> busy_seconds_{0.0};
+  std::mutex requests_mutex_;
+  std::vector<std::promise<std::vector<MapPoint>>> points_requests_;
   PipelineThread thread_;  // the last one: it ends first
 };
 

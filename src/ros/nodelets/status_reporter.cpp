@@ -124,6 +124,11 @@ void StatusReporter::publish(const InputProblem& problem, std::size_t queue_byte
   publishLocked(problem.text.empty() ? own : problem.text);
 }
 
+Status StatusReporter::snapshot() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return status_;
+}
+
 void StatusReporter::publishLocked(const std::string& reason) {
   Status message = status_;
   message.reason = reason;

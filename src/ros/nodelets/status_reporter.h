@@ -38,11 +38,12 @@ class StatusReporter {
   void wasReset(const std::string& reason);
   /// Publishes the present state. It is WAITING while no images come, or none of use.
   void publish(const InputProblem& problem, std::size_t queue_bytes);
+  Status snapshot() const;
 
  private:
   void publishLocked(const std::string& reason);
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   Status status_;
   std::string rejection_;    // of the newest image, if that was rejected
   bool any_usable_ = false;  // since the last time that the state was published

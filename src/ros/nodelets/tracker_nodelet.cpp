@@ -1,4 +1,6 @@
 #include <memory>
+#include <string>
+#include <utility>
 
 #include <mba_vo/ExposureStamped.h>
 #include <nodelet/nodelet.h>
@@ -6,6 +8,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "calibration_store.h"
+#include "diagnostics_publisher.h"
 #include "image_source.h"
 #include "mba_vo/ros/exposure_watch.h"
 #include "published_topics.h"
@@ -52,6 +55,7 @@ class TrackerNodelet final : public nodelet::Nodelet {
     exposure_watch_ =
         std::make_unique<ExposureWatch>(config.fixedExposure() ? "exposure_time" : nh.resolveName("exposure"));
     worker_ = std::make_unique<TrackerWorker>(nh, config, *status_);
+    diagnostics_ = std::make_unique<TrackerDiagnostics>(nh, getPrivateNodeHandle(), getName());
     connect(nh, config);
   }
 
@@ -145,6 +149,18 @@ class TrackerNodelet final : public nodelet::Nodelet {
       NODELET_WARN_STREAM_THROTTLE(kWarnPeriod, problem);
     }
     status_->publish({problem, silent}, worker_->queueBytes());
+    diagnose(problem);
+  }
+
+  void diagnose(const std::string& missing) {
+    TrackerHealth health;
+    health.now = status_->snapshot();
+    health.latency = worker_->latency();
+    health.missing_input = missing;
+    if (const auto calibration = calibration_->get()) {
+      health.calibration = describe(*calibration) + (worker_->isCorrected() ? ", corrected by the images" : "");
+    }
+    diagnostics_->update(std::move(health));
   }
 
   std::string missingImages(double silence) const {
@@ -210,6 +226,7 @@ class TrackerNodelet final : public nodelet::Nodelet {
   std::unique_ptr<ExposureWatch> exposure_watch_;
   std::unique_ptr<ImageSource> images_;
   std::unique_ptr<ImageSource> depths_;
+  std::unique_ptr<TrackerDiagnostics> diagnostics_;
   ros::Subscriber info_subscriber_;
   ros::Subscriber exposure_subscriber_;
   ros::Subscriber reference_subscriber_;

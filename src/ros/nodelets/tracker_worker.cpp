@@ -59,6 +59,7 @@ TrackerWorker::TrackerWorker(ros::NodeHandle& nh, const NodeConfig& config, Stat
       status_(status),
       tracked_frames_(nh.advertise<TrackedFrameMessage>("tracked_frame", 1000)),
       motions_(nh, config.frames, config.publish_tf),
+      view_(nh, config.frames.map_frame),
       pipeline_(pipelineConfig(config), ros::WallTime::now().toNSec()),  // differs from any tracker's before
       extrinsic_(config.frames.base_frame, config.extrinsic_wait),
       record_(openRecord(config)),
@@ -109,6 +110,7 @@ bool TrackerWorker::step() {
   if (step->began_anew) {
     last_measured_ns_ = 0;
     status_.wasReset(step->reason);
+    view_.clearMarkers();
     ROS_INFO_STREAM("a new map begins: " << step->reason);
   }
   if (step->message.tracked) {
@@ -125,6 +127,7 @@ bool TrackerWorker::step() {
     status_.imageRejected(step->stamp_ns, step->reason);
     record(*step);
   }
+  if (step->endsImage()) latency_ = now() - step->arrival;
   sayIfChanged(*step);
   return true;
 }
@@ -139,6 +142,7 @@ void TrackerWorker::recover(const std::string& what) {
 void TrackerWorker::tellAdopted() {
   for (const ReferenceConstPtr& reference : pipeline_.takeAdopted()) {
     status_.referenceAdopted(*reference);
+    corrected_ = !reference->correction.values.isZero(0.0);
     const auto& settled = reference->settled_correction;
     if (settled && settled != std::exchange(kept_, settled)) keepLearnt(*settled);
     if (pipeline_.takeCorrected()) {
@@ -170,6 +174,7 @@ void TrackerWorker::publishImage(const TrackerStep& step) {
   if (tracked.tracked() || (tracked.orientation_only && extrinsic_.isSettled())) publishMotion(step);
   record(step);
   status_.imageTracked(tracked, exposureSource(step), publishPrediction(step));
+  view_.publishImage(tracked, pipeline_.tracking().reference(), step.message.mount.camera_frame);
 }
 
 /// The pose goes to those who join it with images by their stamps; for all others it is no news.
@@ -182,8 +187,11 @@ void TrackerWorker::publishRepeated(const TrackerStep& step) {
 }
 
 void TrackerWorker::publishMotion(const TrackerStep& step) {
-  motions_.publish(motionOf(step, step.message.tracked, step.T_odom_camera));
-  if (step.message.tracked->tracked()) last_measured_ns_ = step.mid_exposure_ns;
+  const MeasuredMotion motion = motionOf(step, step.message.tracked, step.T_odom_camera);
+  motions_.publish(motion);
+  if (!step.message.tracked->tracked()) return;
+  last_measured_ns_ = step.mid_exposure_ns;
+  view_.publishMarkers(motion, pipeline_.tracking().reference());
 }
 
 bool TrackerWorker::publishPrediction(const TrackerStep& step) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +16,7 @@
 #include "mba_vo/ros/intra_process_messages.h"
 #include "motion_publisher.h"
 #include "status_reporter.h"
+#include "view_publisher.h"
 
 namespace mba_vo {
 
@@ -28,6 +31,10 @@ class TrackerWorker {
   void setCalibration(const CameraCalibration& calibration);
   void reset();
   std::size_t queueBytes() const { return pipeline_.queueBytes(); }
+  /// Of the newest image, from its arrival to its result [s]; NaN = none yet.
+  double latency() const { return latency_; }
+  /// The calibration is corrected, by what the images say.
+  bool isCorrected() const { return corrected_; }
 
  private:
   bool step();
@@ -55,6 +62,9 @@ class TrackerWorker {
   StatusReporter& status_;
   ros::Publisher tracked_frames_;
   MotionPublisher motions_;
+  ViewPublisher view_;
+  std::atomic<double> latency_{std::numeric_limits<double>::quiet_NaN()};
+  std::atomic<bool> corrected_{false};
   TrackerPipeline pipeline_;
 
   // Of the thread alone from here on.
