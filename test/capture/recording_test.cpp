@@ -107,6 +107,7 @@ TEST_F(RecordingTest, ALoopGoesOnOneIntervalAfterTheLastImage) {
   EXPECT_FALSE(ended_);
   EXPECT_THAT(levels(), ElementsAre(50, 100, 150, 50, 100, 150, 50));
   EXPECT_THAT(stamps(), ElementsAre(0, 50, 100, 150, 200, 250, 300));
+  EXPECT_EQ(came_.back(), images_.back().mid_exposure_ns);  // and not at once
   EXPECT_EQ(images_.back().number, 7U);
 }
 
