@@ -139,7 +139,7 @@ TEST(RollingPath, WithFixedMotionIsTheSame) {
   for (int i = 0; i < 100; ++i) {
     // By the acceleration, other rows see another velocity within their exposures: neglected where the motion is fixed.
     const bool accelerated = i % 2 == 0;
-    Case c = randomCase(random, accelerated ? 1e-7 : 0.02);
+    Case c = randomCase(random, accelerated ? 1e-9 : 0.02);
     if (!accelerated) c.trajectory.acceleration.setZero();
     const RowMotion rows{c.trajectory.motion(), c.reference_motion};
     PatchPath expected, path;
