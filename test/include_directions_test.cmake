@@ -17,8 +17,9 @@ set(odometry_may ${mapping_may} mapping)
 set(io_may ${odometry_may} odometry)
 set(simulation_may geometry image)
 set(evaluation_may geometry)
+set(datasets_may ${io_may} io evaluation)
 set(modules geometry solver image blur tracking deblur depth_search window initialization relocalization trajectory
-    mapping odometry io simulation evaluation)
+    mapping odometry io simulation evaluation datasets)
 set(ros_headers "ros/|rosbag/|nodelet/|pluginlib/|cv_bridge/|image_transport/|tf2|sensor_msgs/|nav_msgs/|geometry_msgs/|std_msgs/|mba_vo/[A-Z]")
 
 set(violations "")

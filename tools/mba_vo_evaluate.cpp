@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "mba_vo/datasets/ground_truth.h"
 #include "mba_vo/evaluation/causal_report.h"
 #include "mba_vo/evaluation/evaluator.h"
 #include "mba_vo/evaluation/report_writer.h"
@@ -19,6 +20,7 @@ namespace {
 
 struct Arguments {
   std::string groundtruth_file;
+  mba_vo::GroundTruthOptions groundtruth;
   std::string run_folder;
   std::string estimate_file;
   std::string frames_file;
@@ -30,8 +32,13 @@ struct Arguments {
 void describe(CLI::App& app, Arguments& arguments) {
   mba_vo::EvaluationOptions& options = arguments.options.evaluation;
   app.add_option("--groundtruth", arguments.groundtruth_file,
-                 "true trajectory: TUM form (8 columns) or with start and end poses (16 columns)")
+                 "true trajectory: TUM form (8 columns) or with start and end poses (16 columns), data.csv of an ASL "
+                 "folder, or the folder of a recording that has one")
       ->required();
+  app.add_option("--calibration", arguments.groundtruth.calibration_file,
+                 "file that tells where the camera is on the body (ASL, Kalibr), in place of the recording's")
+      ->check(CLI::ExistingFile);
+  app.add_option("--camera", arguments.groundtruth.camera, "which of several cameras: cam0, cam1, ...");
   auto* input = app.add_option_group("input");
   auto* run = input->add_option("--run", arguments.run_folder,
                                 "output folder of a run: judged by what it published when it published it");
@@ -77,7 +84,7 @@ void writeFile(const std::string& file, const Write& write) {
 }
 
 void evaluateSingle(const Arguments& arguments) {
-  const auto groundtruth = mba_vo::readPoseFile(arguments.groundtruth_file);
+  const auto groundtruth = mba_vo::readGroundTruth(arguments.groundtruth_file, arguments.groundtruth);
   const auto estimate = mba_vo::readPoseFile(arguments.estimate_file);
   const auto frames =
       arguments.frames_file.empty() ? std::vector<mba_vo::LoggedFrame>() : mba_vo::readFrameLog(arguments.frames_file);
@@ -104,7 +111,7 @@ std::vector<mba_vo::PlottedEstimate> plottedEstimates(const mba_vo::RunReport& r
 }
 
 void evaluateRunFolder(const Arguments& arguments) {
-  const auto groundtruth = mba_vo::readPoseFile(arguments.groundtruth_file);
+  const auto groundtruth = mba_vo::readGroundTruth(arguments.groundtruth_file, arguments.groundtruth);
   const bool exposures = groundtruth.front().exposure.has_value();
   const mba_vo::RunFolder run = mba_vo::readRunFolder(
       arguments.run_folder, exposures ? mba_vo::SmoothedForm::kExposures : mba_vo::SmoothedForm::kPoses);

@@ -3,10 +3,12 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <ostream>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
+#include "mba_vo/image/frame_builder.h"
 #include "mba_vo/io/sequence.h"
 
 /// What recording a program reads, and how: options that programs have in common.
@@ -14,6 +16,8 @@ struct RecordingArguments {
   std::string sequence;
   std::string images = "images";
   mba_vo::DepthFolder depth;
+  std::string calibration;  // file, empty = that of the recording
+  std::string camera;       // empty = the first
   std::string exposure = "auto";
   std::string image_topic;
   std::string camera_info_topic;
@@ -31,6 +35,10 @@ void describeRecording(CLI::App& app, RecordingArguments& a);
 
 /// For all images [s]; nullopt = as recorded.
 std::optional<double> exposureOverride(const RecordingArguments& a);
+
+/// What the form of the recording tells of the camera goes into `config`, where that does not tell it, and its notes to
+/// the user into `log`. Throws as openSequence.
+void adoptWhatIsKnown(const RecordingArguments& a, mba_vo::FrameBuilderConfig& config, std::ostream& log);
 
 /// From its beginning. Throws std::runtime_error naming what is missing or wrong.
 std::unique_ptr<mba_vo::SequenceReader> openSequence(const RecordingArguments& a);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "mba_vo/io/sequence.h"
@@ -17,6 +18,7 @@ struct BagTopics {
   double depth_tolerance = 0.02;  // between the stamps of an image and its depth image [s]
   StampReference stamp_reference = StampReference::kMiddle;
   bool rectified = false;  // the images are rectified already: use P, no distortion
+  std::optional<CameraCalibration> calibration{};  // in place of camera_info, which is then not needed
 };
 
 /// Topics below this namespace are ground truth; they are never read.
