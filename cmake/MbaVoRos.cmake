@@ -55,7 +55,7 @@ endif()
 
 add_executable(mba_vo_make_bag tools/ros/mba_vo_make_bag.cpp)
 mba_vo_ros_target(mba_vo_make_bag)
-target_link_libraries(mba_vo_make_bag PRIVATE mba_vo_ros CLI11::CLI11)
+target_link_libraries(mba_vo_make_bag PRIVATE mba_vo_ros mba_vo_datasets CLI11::CLI11)
 set_property(GLOBAL APPEND PROPERTY MBA_VO_PROGRAMS mba_vo_make_bag)
 
 add_executable(mba_vo_camera tools/ros/mba_vo_camera.cpp)

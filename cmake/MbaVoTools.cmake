@@ -18,10 +18,10 @@ function(mba_vo_tool name)
   endif()
 endfunction()
 
-mba_vo_tool(mba_vo_calibrate mba_vo_io mba_vo_evaluation)
-mba_vo_tool(mba_vo_deblur mba_vo_io mba_vo_evaluation)
-mba_vo_tool(mba_vo_evaluate mba_vo_io mba_vo_evaluation)
-mba_vo_tool(mba_vo_offline mba_vo_io)
+mba_vo_tool(mba_vo_calibrate mba_vo_datasets)
+mba_vo_tool(mba_vo_deblur mba_vo_datasets)
+mba_vo_tool(mba_vo_evaluate mba_vo_datasets)
+mba_vo_tool(mba_vo_offline mba_vo_datasets)
 mba_vo_tool(mba_vo_simulate mba_vo_simulation mba_vo_io)
 foreach(program mba_vo_calibrate mba_vo_offline)  # that read any recording
   target_sources(${program} PRIVATE ${MBA_VO_TOOLS_COMMON})
@@ -50,7 +50,7 @@ mba_vo_tool_test(offline_missing_config mba_vo_offline "/nonexistent.yaml: canno
   --config /nonexistent.yaml --print-config)
 mba_vo_tool_test(offline_wrong_exposure mba_vo_offline "exposure '-1': must be auto or 0 to 10 seconds"
   ${CMAKE_CURRENT_SOURCE_DIR} --output out --exposure=-1)
-mba_vo_tool_test(offline_no_sequence_folder mba_vo_offline "images: no such folder"
+mba_vo_tool_test(offline_no_sequence_folder mba_vo_offline "no recording that is known: images and times.txt"
   ${CMAKE_CURRENT_SOURCE_DIR} --output out)
 mba_vo_tool_test(offline_prints_config mba_vo_offline "max_points: [0-9]+  # patches aligned" --print-config)
 mba_vo_tool_test(simulate_without_output mba_vo_simulate "--output or --bag is needed")

@@ -46,7 +46,8 @@ void run(const Arguments& a) {
   if (a.recording.sequence.empty() || a.output.empty()) {
     throw std::runtime_error("SEQUENCE and --output are needed; see --help");
   }
-  const mba_vo::OfflineOptions options = optionsOf(a);
+  mba_vo::OfflineOptions options = optionsOf(a);
+  adoptWhatIsKnown(a.recording, options.config.image, std::cout);
   const mba_vo::ToldCamera told{openSequence(a.recording)->calibration(), options.config.image};
   std::unique_ptr<mba_vo::ProgressBar> bar;
   mba_vo::CalibratedRun passes;

@@ -13,6 +13,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -20,6 +21,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "geometry_source.h"
+#include "mba_vo/datasets/dataset.h"
 #include "mba_vo/evaluation/image_quality.h"
 #include "mba_vo/image/white_level.h"
 #include "mba_vo/io/photometric_files.h"
@@ -46,7 +48,7 @@ struct Arguments {
 };
 
 void describe(CLI::App& app, Arguments& a) {
-  app.add_option("SEQUENCE", a.sequence, "sequence folder (camera.yaml, times.txt, images)")->required();
+  app.add_option("SEQUENCE", a.sequence, "folder of a sequence or of a known data set")->required();
   app.add_option("--run", a.run,
                  "results of mba_vo_offline on it; without, the true motion and depths of a simulation");
   app.add_option("--output", a.output, "folder for the results, made if need be")->required();
@@ -96,9 +98,9 @@ Timed deblurTimed(const mba_vo::Deblurrer& deblurrer, const mba_vo::DeblurInput&
 
 class DeblurRun {
  public:
-  DeblurRun(const Arguments& a, const mba_vo::OdometryConfig& config)
+  DeblurRun(const Arguments& a, const mba_vo::OdometryConfig& config, std::unique_ptr<mba_vo::SequenceReader> blurred)
       : arguments_(a),
-        blurred_(mba_vo::openSequenceFolder(a.sequence, a.images)),
+        blurred_(std::move(blurred)),
         builder_(blurred_->calibration(), mba_vo::loadPhotometricCalibration(config.image), config.image),
         white_level_(config.image.white_level),
         deblurrer_(mba_vo::makeDeblurrer(config.mapper.deblur)),
@@ -273,7 +275,11 @@ void run(const Arguments& a) {
   mba_vo::finalize(config);
   config.mapper.deblur.method = a.method;
   if (a.frames > 0) config.mapper.deblur.trajectory.frames = a.frames;
-  DeblurRun(a, config).run();
+  mba_vo::DatasetOptions form;
+  form.images = a.images;
+  mba_vo::Dataset dataset = mba_vo::openDataset(a.sequence, form);
+  dataset.configure(config.image);
+  DeblurRun(a, config, std::move(dataset.reader)).run();
 }
 
 }  // namespace

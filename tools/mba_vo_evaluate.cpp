@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "mba_vo/datasets/ground_truth.h"
 #include "mba_vo/evaluation/causal_report.h"
 #include "mba_vo/evaluation/evaluator.h"
 #include "mba_vo/evaluation/report_writer.h"
@@ -19,6 +20,7 @@ namespace {
 
 struct Arguments {
   std::string groundtruth_file;
+  mba_vo::GroundTruthOptions groundtruth;
   std::string run_folder;
   std::string estimate_file;
   std::string frames_file;
@@ -31,8 +33,13 @@ struct Arguments {
 void describe(CLI::App& app, Arguments& arguments) {
   mba_vo::EvaluationOptions& options = arguments.options.evaluation;
   app.add_option("--groundtruth", arguments.groundtruth_file,
-                 "true trajectory: TUM form (8 columns) or with start and end poses (16 columns)")
+                 "true trajectory: TUM form (8 columns) or with start and end poses (16 columns), data.csv of an ASL "
+                 "folder, or the folder of a recording that has one")
       ->required();
+  app.add_option("--calibration", arguments.groundtruth.calibration_file,
+                 "file that tells where the camera is on the body (ASL, Kalibr), in place of the recording's")
+      ->check(CLI::ExistingFile);
+  app.add_option("--camera", arguments.groundtruth.camera, "which of several cameras: cam0, cam1, ...");
   auto* input = app.add_option_group("input");
   auto* run = input->add_option("--run", arguments.run_folder,
                                 "output folder of a run: judged by what it published when it published it");
@@ -74,7 +81,7 @@ void describe(CLI::App& app, Arguments& arguments) {
 
 /// By the clock of the estimate.
 std::vector<mba_vo::PoseRecord> readGroundTruth(const Arguments& arguments) {
-  std::vector<mba_vo::PoseRecord> poses = mba_vo::readPoseFile(arguments.groundtruth_file);
+  std::vector<mba_vo::PoseRecord> poses = mba_vo::readGroundTruth(arguments.groundtruth_file, arguments.groundtruth);
   for (mba_vo::PoseRecord& pose : poses) pose.time -= arguments.time_offset;
   return poses;
 }

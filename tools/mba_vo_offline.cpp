@@ -125,6 +125,7 @@ void run(const Arguments& a) {
   options.frames = a.recording.frames;
   options.reference_delay_frames = a.reference_delay;
   if (a.recording.row_time) options.config.image.row_time = *a.recording.row_time;
+  adoptWhatIsKnown(a.recording, options.config.image, std::cout);
   mba_vo::CameraMemory memory(options.config.image);
   options.known = memory.recall(openSequence(a.recording)->calibration());
   std::vector<mba_vo::FaultRecord> faults;

@@ -32,6 +32,18 @@ std::vector<double> parseNumbers(const std::string& line, const std::string& whe
   return numbers;
 }
 
+/// A line that tells a time, but that the pose then is unknown: `t nan nan ...`.
+bool tellsNoPose(const std::string& line) {
+  std::istringstream words(line);
+  std::string time;
+  words >> time;
+  int unknown = 0;
+  for (std::string word; words >> word; ++unknown) {
+    if (word != "nan" && word != "NaN" && word != "-nan") return false;
+  }
+  return unknown == kPoseColumns - 1;
+}
+
 SE3 parsePose(const double* n, const std::string& where) {
   const Eigen::Quaterniond rotation(n[6], n[3], n[4], n[5]);
   if (std::abs(rotation.norm() - 1.0) > kQuaternionTolerance) {
@@ -85,7 +97,7 @@ std::vector<PoseRecord> readPosesIfAny(const std::string& file) {
       map = mapOfComment(line.substr(hash + 1)).value_or(map);
       line.resize(hash);
     }
-    const std::vector<double> numbers = parseNumbers(line, where);
+    const std::vector<double> numbers = tellsNoPose(line) ? std::vector<double>() : parseNumbers(line, where);
     if (numbers.empty()) {
       continue;
     }

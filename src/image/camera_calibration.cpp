@@ -8,6 +8,8 @@
 namespace mba_vo {
 namespace {
 
+constexpr double kHalfTurn = 3.14159265358979323846;  // [rad]
+
 template <typename Value>
 [[noreturn]] void fail(const char* name, const Value& value, const char* allowed) {
   std::ostringstream message;
@@ -37,9 +39,12 @@ void validateDistortion(const CameraCalibration& c) {
     if (n != 8) fail("number of rational_polynomial coefficients", n, "8");
   } else if (c.distortion_model == "equidistant") {
     if (n != 4) fail("number of equidistant coefficients", n, "4");
+  } else if (c.distortion_model == "fov") {
+    if (n != 1) fail("number of fov coefficients", n, "1");
+    if (!(c.distortion[0] >= 0.0 && c.distortion[0] < kHalfTurn)) fail("omega", c.distortion[0], "from 0 to below pi");
   } else {
     fail("distortion model", "'" + c.distortion_model + "'",
-         "plumb_bob, rational_polynomial, equidistant or empty (undistorted)");
+         "plumb_bob, rational_polynomial, equidistant, fov or empty (undistorted)");
   }
   for (const double d : c.distortion) {
     if (!std::isfinite(d)) fail("a distortion coefficient", d, "finite");

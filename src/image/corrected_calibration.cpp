@@ -1,9 +1,12 @@
 #include "mba_vo/image/corrected_calibration.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <Eigen/Cholesky>
 #include <opencv2/calib3d.hpp>
+
+#include "mba_vo/image/fov_lens.h"
 
 namespace mba_vo {
 namespace {
@@ -11,8 +14,10 @@ namespace {
 constexpr int kColumns = 25;  // of the grid of pixels that is compared
 constexpr int kRows = 19;
 constexpr int kIterations = 10;
-constexpr double kStep = 1e-6;     // of the derivatives, relative to parameters of about 1
-constexpr double kDamping = 1e-9;  // coefficients that hardly differ in what they do share it
+constexpr double kStep = 1e-6;             // of the derivatives, relative to parameters of about 1
+constexpr double kSmallestRadius = 1e-12;  // in focal lengths, divided by
+constexpr double kWidest = 2.0;            // of the image's half diagonal: rectified images show no rays further out
+constexpr double kDamping = 1e-9;          // coefficients that hardly differ in what they do share it
 
 /// fx, fy, cx, cy in focal lengths of the first guess, then the distortion.
 using Parameters = Eigen::VectorXd;
@@ -30,6 +35,7 @@ class Fit {
         const cv::Point2d pixel(column * (start_.width - 1.0) / (kColumns - 1),
                                 row * (start_.height - 1.0) / (kRows - 1));
         const Eigen::Vector2d ray = rayOf(pixel);
+        if (!(ray.norm() < kWidest * halfDiagonal())) continue;
         const Eigen::Vector2d x = correction.apply(ray);
         rays_.emplace_back(ray.x(), ray.y(), 1.0);
         corrected.emplace_back(x.x(), x.y(), 1.0);
@@ -52,11 +58,17 @@ class Fit {
   }
 
  private:
+  double halfDiagonal() const { return std::hypot(0.5 * start_.width / start_.fx, 0.5 * start_.height / start_.fy); }
+
   /// Of the told camera's pixel, without knowing the inverse of its distortion in closed form.
   Eigen::Vector2d rayOf(const cv::Point2d& pixel) const {
     const cv::Matx33d K(start_.fx, 0.0, start_.cx, 0.0, start_.fy, start_.cy, 0.0, 0.0, 1.0);
     const std::vector<cv::Point2d> pixels{pixel};
     std::vector<cv::Point2d> rays;
+    if (start_.distortion_model == "fov") {
+      const cv::Point2d ray = rayOfFovPixel(start_, pixel);
+      return {ray.x, ray.y};
+    }
     if (start_.distortion_model == "equidistant") {
       cv::fisheye::undistortPoints(pixels, rays, K, start_.distortion);
     } else {
@@ -107,12 +119,26 @@ class Fit {
 std::vector<cv::Point2d> projectRays(const CameraCalibration& c, const std::vector<cv::Point3d>& rays) {
   const cv::Matx33d K(c.fx, 0.0, c.cx, 0.0, c.fy, c.cy, 0.0, 0.0, 1.0);
   std::vector<cv::Point2d> pixels;
-  if (c.distortion_model == "equidistant") {
+  if (c.distortion_model == "fov") {
+    pixels.reserve(rays.size());
+    for (const cv::Point3d& ray : rays) {
+      const cv::Point2d x(ray.x / ray.z, ray.y / ray.z);
+      const double radius = std::max(cv::norm(x), kSmallestRadius);
+      const double scale = fovDistortedRadius(radius, c.distortion[0]) / radius;
+      pixels.emplace_back(c.fx * scale * x.x + c.cx, c.fy * scale * x.y + c.cy);
+    }
+  } else if (c.distortion_model == "equidistant") {
     cv::fisheye::projectPoints(rays, pixels, cv::Vec3d(), cv::Vec3d(), K, c.distortion);
   } else {
     cv::projectPoints(rays, cv::Vec3d(), cv::Vec3d(), K, c.distortion, pixels);
   }
   return pixels;
+}
+
+cv::Point2d rayOfFovPixel(const CameraCalibration& c, const cv::Point2d& pixel) {
+  const cv::Point2d at((pixel.x - c.cx) / c.fx, (pixel.y - c.cy) / c.fy);
+  const double radius = std::max(cv::norm(at), kSmallestRadius);
+  return fovUndistortedRadius(radius, c.distortion.at(0)) / radius * at;
 }
 
 CorrectedCalibration correctedCalibration(const CameraCalibration& calibration,

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mba_vo/image/corrected_calibration.h"
+#include "mba_vo/image/fov_lens.h"
 
 namespace mba_vo {
 namespace {
@@ -28,6 +29,7 @@ double distortedRadius(const CameraCalibration& c, double radius) {
     const double t2 = theta * theta;
     return theta * (1.0 + t2 * (k(0) + t2 * (k(1) + t2 * (k(2) + t2 * k(3)))));
   }
+  if (c.distortion_model == "fov") return fovDistortedRadius(radius, k(0));
   const double r2 = radius * radius;
   return radius * (1.0 + r2 * (k(0) + r2 * (k(1) + r2 * k(4)))) / (1.0 + r2 * (k(5) + r2 * (k(6) + r2 * k(7))));
 }
@@ -50,29 +52,7 @@ struct Maps {
   cv::Mat1f x, y;  // where a rectified pixel looks in the distorted image [px], NaN if nowhere
 };
 
-/// Maps for a rectified image of `size` with matrix `rectified`.
-Maps makeMaps(const CameraCalibration& c, const cv::Matx33d& rectified, cv::Size size, double largest_radius) {
-  const cv::Matx33d distorted = cameraMatrix(c.fx, c.fy, c.cx, c.cy);
-  Maps maps;
-  cv::Mat x, y;
-  if (c.distortion_model == "equidistant") {
-    cv::fisheye::initUndistortRectifyMap(distorted, c.distortion, cv::Matx33d::eye(), rectified, size, CV_32FC1, x, y);
-  } else {
-    cv::initUndistortRectifyMap(distorted, c.distortion, cv::Matx33d::eye(), rectified, size, CV_32FC1, x, y);
-  }
-  maps.x = x;
-  maps.y = y;
-  for (int v = 0; v < size.height; ++v) {
-    const double ry = (v - rectified(1, 2)) / rectified(1, 1);
-    for (int u = 0; u < size.width; ++u) {
-      const double rx = (u - rectified(0, 2)) / rectified(0, 0);
-      if (std::hypot(rx, ry) > largest_radius) maps.x(v, u) = std::numeric_limits<float>::quiet_NaN();
-    }
-  }
-  return maps;
-}
-
-/// The same with a correction of the calibration.
+/// Maps for a rectified image of `size` with matrix `rectified`, ray by ray, with a correction of the calibration.
 Maps makeCorrectedMaps(const CameraCalibration& c, const cv::Matx33d& rectified, cv::Size size, double largest_radius,
                        const CalibrationCorrection& correction) {
   std::vector<cv::Point3d> rays;
@@ -92,6 +72,29 @@ Maps makeCorrectedMaps(const CameraCalibration& c, const cv::Matx33d& rectified,
     const bool seen = std::hypot(rays[i].x, rays[i].y) <= largest_radius;
     maps.x(v, u) = seen ? static_cast<float>(pixels[i].x) : std::numeric_limits<float>::quiet_NaN();
     maps.y(v, u) = static_cast<float>(pixels[i].y);
+  }
+  return maps;
+}
+
+/// The same without a correction.
+Maps makeMaps(const CameraCalibration& c, const cv::Matx33d& rectified, cv::Size size, double largest_radius) {
+  if (c.distortion_model == "fov") return makeCorrectedMaps(c, rectified, size, largest_radius, {});
+  const cv::Matx33d distorted = cameraMatrix(c.fx, c.fy, c.cx, c.cy);
+  Maps maps;
+  cv::Mat x, y;
+  if (c.distortion_model == "equidistant") {
+    cv::fisheye::initUndistortRectifyMap(distorted, c.distortion, cv::Matx33d::eye(), rectified, size, CV_32FC1, x, y);
+  } else {
+    cv::initUndistortRectifyMap(distorted, c.distortion, cv::Matx33d::eye(), rectified, size, CV_32FC1, x, y);
+  }
+  maps.x = x;
+  maps.y = y;
+  for (int v = 0; v < size.height; ++v) {
+    const double ry = (v - rectified(1, 2)) / rectified(1, 1);
+    for (int u = 0; u < size.width; ++u) {
+      const double rx = (u - rectified(0, 2)) / rectified(0, 0);
+      if (std::hypot(rx, ry) > largest_radius) maps.x(v, u) = std::numeric_limits<float>::quiet_NaN();
+    }
   }
   return maps;
 }

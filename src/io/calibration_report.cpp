@@ -10,6 +10,7 @@
 
 #include "mba_vo/image/corrected_calibration.h"
 #include "mba_vo/image/static_overlay.h"
+#include "mba_vo/io/camera_file.h"
 #include "mba_vo/io/camera_memory.h"
 #include "mba_vo/io/camera_yaml.h"
 #include "mba_vo/io/trajectory_writer.h"
@@ -128,7 +129,7 @@ void writeCalibration(const std::string& folder, const ToldCamera& told, const C
   const CorrectedCalibration camera = correctedCalibration(told.calibration, correction);
   const std::string camera_file = (path / "camera.yaml").string();
   writeFile(camera_file, [&](std::ostream& out) { writeCameraYaml(camera.calibration, "calibrated", out); });
-  writeSensor((path / "sensor.yaml").string(), told, loadCameraYaml(camera_file), correction);
+  writeSensor((path / "sensor.yaml").string(), told, readCameraFile(camera_file).calibration, correction);
   writeFile((path / "calibration.yaml").string(),
             [&](std::ostream& out) { writeFigures(told, study, camera.error_px, out); });
   if (study.last.overlay.empty()) return;

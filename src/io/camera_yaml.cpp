@@ -5,43 +5,100 @@
 #include <stdexcept>
 #include <vector>
 
-#include <yaml-cpp/yaml.h>
+#include "camera_forms.h"
+#include "mba_vo/io/text_lines.h"
 
 namespace mba_vo {
 namespace {
 
-YAML::Node require(const YAML::Node& node, const std::string& key) {
-  if (!node.IsMap() || !node[key]) {
-    throw std::invalid_argument("'" + key + "' is missing");
-  }
-  return node[key];
+constexpr std::size_t kMostBytes = 1U << 20U;  // of a calibration
+
+CameraFile readRos(const YamlFields& root, const std::string& file) {
+  CameraFile result;
+  result.form = "ROS camera_info";
+  CameraCalibration& c = result.calibration;
+  c.width = root.whole("image_width");
+  c.height = root.whole("image_height");
+  const std::vector<double> K = root.map("camera_matrix").numbers("data", {9});
+  c.fx = K[0];
+  c.cx = K[2];
+  c.fy = K[4];
+  c.cy = K[5];
+  // Files of old versions of ROS name no model; camera_info_manager takes it for this one, too.
+  c.distortion_model = root.has("distortion_model") ? root.text("distortion_model") : "plumb_bob";
+  c.distortion = root.map("distortion_coefficients").numbers("data", {});
+  requireValid(c, file);
+  return result;
 }
 
-template <typename Value>
-Value read(const YAML::Node& node, const std::string& key) {
+/// The names of Kalibr and of ASL folders; ours where they agree.
+std::string distortionModel(const YamlFields& camera, const std::string& key) {
+  std::string name = camera.has(key) ? camera.text(key) : "none";
+  if (name == "radtan" || name == "radial-tangential" || name == "plumb_bob") return "plumb_bob";
+  if (name == "equidistant" || name == "fov") return name;
+  if (name == "none") return "";
+  camera.refuse(key, "radtan, radial-tangential, equidistant, fov or none");
+}
+
+SE3 readPose(const YamlFields& fields, const std::string& key, const std::vector<double>& values) {
   try {
-    return require(node, key).as<Value>();
-  } catch (const YAML::Exception&) {
-    throw std::invalid_argument("'" + key + "' cannot be understood");
+    return poseOfMatrix(values);
+  } catch (const std::invalid_argument& error) {
+    fields.refuse(key, error.what());
   }
 }
 
-CameraCalibration parse(const YAML::Node& root) {
-  CameraCalibration calibration;
-  calibration.width = read<int>(root, "image_width");
-  calibration.height = read<int>(root, "image_height");
-  const auto K = read<std::vector<double>>(require(root, "camera_matrix"), "data");
-  if (K.size() != 9) {
-    throw std::invalid_argument("'camera_matrix' has " + std::to_string(K.size()) + " values, must have 9");
+std::optional<SE3> readBodyPose(const YamlFields& fields) {
+  if (!fields.has("T_BS")) return std::nullopt;
+  const YamlFields matrix = fields.map("T_BS");
+  return readPose(matrix, "data", matrix.numbers("data", {16}));
+}
+
+/// One camera as Kalibr and ASL folders have it, who differ in few names.
+CameraFile readRig(const YamlFields& camera, const std::string& file) {
+  const bool kalibr = camera.has("distortion_coeffs") || camera.has("T_cam_imu");
+  CameraFile result;
+  result.form = kalibr ? "Kalibr camchain" : "ASL sensor.yaml";
+  if (camera.has("camera_model") && camera.text("camera_model") != "pinhole") {
+    camera.refuse("camera_model", "pinhole (with any distortion_model: radtan, equidistant, fov or none)");
   }
-  calibration.fx = K[0];
-  calibration.cx = K[2];
-  calibration.fy = K[4];
-  calibration.cy = K[5];
-  calibration.distortion_model = read<std::string>(root, "distortion_model");
-  calibration.distortion = read<std::vector<double>>(require(root, "distortion_coefficients"), "data");
-  validate(calibration);
-  return calibration;
+  const std::vector<double> K = camera.numbers("intrinsics", {4});
+  const std::vector<double> size = camera.numbers("resolution", {2});
+  CameraCalibration& c = result.calibration;
+  c = {0, 0, K[0], K[1], K[2], K[3], distortionModel(camera, "distortion_model"), {}};
+  for (const double side : size) {
+    constexpr double kLargest = 1e5;  // [px]
+    if (!(side >= 1.0 && side <= kLargest && side == static_cast<int>(side))) {
+      camera.refuse("resolution", "width and height, whole numbers of pixels");
+    }
+  }
+  c.width = static_cast<int>(size[0]);
+  c.height = static_cast<int>(size[1]);
+  const char* const coefficients = kalibr ? "distortion_coeffs" : "distortion_coefficients";
+  if (c.distortion_model == "fov") c.distortion = camera.numbers(coefficients, {1});
+  if (c.distortion_model == "plumb_bob") c.distortion = camera.numbers(coefficients, {4, 5});
+  if (c.distortion_model == "equidistant") c.distortion = camera.numbers(coefficients, {4});
+  result.T_body_camera = readBodyPose(camera);
+  if (camera.has("T_cam_imu")) {
+    result.T_body_camera = readPose(camera, "T_cam_imu", camera.matrix4("T_cam_imu")).inverse();
+  }
+  requireValid(c, file);
+  return result;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+/// Of the cameras of a Kalibr file.
+std::string chooseCamera(const std::vector<std::string>& cameras, const std::string& wanted, const std::string& file) {
+  std::string name = wanted.empty() && cameras.size() == 1 ? cameras.front() : (wanted.empty() ? "cam0" : wanted);
+  for (const std::string& camera : cameras) {
+    if (camera == name) return name;
+  }
+  throw std::runtime_error(file + ": has no camera '" + name + "', but " + joined(cameras));
 }
 
 void writeMatrix(const char* name, int rows, const std::vector<double>& data, std::ostream& out) {
@@ -53,16 +110,25 @@ void writeMatrix(const char* name, int rows, const std::vector<double>& data, st
 
 }  // namespace
 
-CameraCalibration loadCameraYaml(const std::string& file) {
-  try {
-    return parse(YAML::LoadFile(file));
-  } catch (const YAML::BadFile&) {
-    throw std::runtime_error(file + ": cannot be read");
-  } catch (const YAML::Exception& error) {
-    throw std::runtime_error(file + ": " + error.what());
-  } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(file + ": " + error.what());
+CameraFile readCameraYaml(const YamlFields& root, const std::string& file, const std::string& camera) {
+  std::vector<std::string> cameras;
+  for (const std::string& key : root.keys()) {
+    if (key.compare(0, 3, "cam") == 0 && key.find_first_not_of("0123456789", 3) == std::string::npos) {
+      cameras.push_back(key);
+    }
   }
+  if (!cameras.empty()) return readRig(root.map(chooseCamera(cameras, camera, file)), file);
+  if (root.has("intrinsics")) return readRig(root, file);
+  if (root.has("image_width") || root.has("camera_matrix")) return readRos(root, file);
+  throw std::runtime_error(
+      file +
+      ": no calibration that is known: 'image_width' and 'camera_matrix' (ROS), 'cam0' (Kalibr) or "
+      "'intrinsics' (ASL) is missing; its keys are " +
+      joined(root.keys()));
+}
+
+std::optional<SE3> readSensorPose(const std::string& file) {
+  return readBodyPose(YamlFields::parse(readText(file, kMostBytes), file));
 }
 
 void writeCameraYaml(const CameraCalibration& c, const std::string& camera_name, std::ostream& out) {

@@ -20,13 +20,15 @@ std::string lowerCaseExtension(const fs::path& file) {
 
 }  // namespace
 
-std::map<std::string, fs::path> imagesByName(const fs::path& folder) {
+bool isImageName(const fs::path& file) {
   const std::set<std::string> extensions{".webp", ".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".tif", ".tiff"};
+  return extensions.count(lowerCaseExtension(file)) != 0;
+}
+
+std::map<std::string, fs::path> imagesByName(const fs::path& folder) {
   std::map<std::string, fs::path> images;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (extensions.count(lowerCaseExtension(entry.path())) != 0) {
-      images[entry.path().stem().string()] = entry.path();
-    }
+    if (isImageName(entry.path())) images[entry.path().stem().string()] = entry.path();
   }
   return images;
 }

@@ -1,12 +1,15 @@
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <iomanip>
 #include <map>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
-#include "mba_vo/io/camera_yaml.h"
+#include "mba_vo/io/camera_file.h"
 #include "mba_vo/io/image_files.h"
-#include "mba_vo/io/sequence.h"
+#include "mba_vo/io/listed_sequence.h"
 #include "mba_vo/io/times_file.h"
 
 namespace mba_vo {
@@ -16,6 +19,26 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFolderOfExposures = "images";  // times.txt speaks of these images
 
+/// The number that is the whole name, whatever its leading zeros.
+std::optional<std::uint64_t> idOf(const std::string& name) {
+  constexpr std::size_t kMostDigits = 19;
+  const bool digits =
+      !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+  if (!digits || name.size() > kMostDigits) return std::nullopt;
+  return std::stoull(name);
+}
+
+std::map<std::uint64_t, fs::path> imagesById(const fs::path& folder) {
+  std::map<std::uint64_t, fs::path> images;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const auto id = isImageName(entry.path()) ? idOf(entry.path().stem().string()) : std::nullopt;
+    if (!id) continue;
+    const auto found = images.emplace(*id, entry.path()).first;
+    found->second = std::min(found->second, entry.path());  // the same, whatever the order on the disk
+  }
+  return images;
+}
+
 std::string nameOfImage(std::uint64_t id) {
   constexpr int kDigits = 6;
   std::ostringstream name;
@@ -23,114 +46,45 @@ std::string nameOfImage(std::uint64_t id) {
   return name.str();
 }
 
-class SequenceFolder : public SequenceReader {
- public:
-  SequenceFolder(const fs::path& folder, const std::string& images_subfolder, const DepthFolder& depth)
-      : depth_units_(depth.units_per_metre) {
-    requireFolder(folder);
-    requireFolder(folder / images_subfolder);
-    calibration_ = loadCameraYaml((folder / "camera.yaml").string());
-    times_ = readTimesFile((folder / "times.txt").string());
-    const std::map<std::string, fs::path> images = imagesByName(folder / images_subfolder);
-    for (ImageTime& time : times_) {
-      const auto found = images.find(nameOfImage(time.id));
-      if (found == images.end()) {
-        throw std::runtime_error((folder / images_subfolder / nameOfImage(time.id)).string() +
-                                 ".*: no such image, though times.txt lists it");
-      }
-      files_.push_back(found->second);
-      if (images_subfolder != kFolderOfExposures) {
-        time.exposure.reset();
-      }
-    }
-    if (!depth.subfolder.empty()) findDepths(folder / depth.subfolder);
+void findDepths(const fs::path& folder, const std::vector<ImageTime>& times, ImageList& list) {
+  requireFolder(folder);
+  const std::map<std::uint64_t, fs::path> images = imagesById(folder);
+  bool any = false;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const auto found = images.find(times[i].id);
+    if (found == images.end()) continue;
+    list.images[i].depth = found->second;
+    any = true;
   }
-
-  CameraCalibration calibration() const override { return calibration_; }
-  std::size_t size() const override { return files_.size(); }
-
-  std::optional<CameraImage> next() override {
-    if (next_ == files_.size()) {
-      return std::nullopt;
-    }
-    const ImageTime& time = times_[next_];
-    const fs::path& file = files_[next_];
-    CameraImage result;
-    result.sequence = next_++;
-    result.stamp_ns = result.mid_exposure_ns = time.mid_exposure_ns;
-    result.exposure = time.exposure;
-    result.image = readImage(file);
-    if (result.image.empty()) {
-      result.problem = file.string() + ": not a readable image";
-    } else {
-      requireSize(file, "image", result.image);
-      const auto depth = depth_files_.find(time.id);
-      if (depth != depth_files_.end()) readDepth(depth->second, result);
-    }
-    return result;
+  if (!any) {
+    throw std::runtime_error(folder.string() + ": no depth image of any image that times.txt lists, e.g. " +
+                             nameOfImage(times.front().id) + ".png");
   }
-
-  bool skip() override {
-    if (next_ == files_.size()) return false;
-    ++next_;
-    return true;
-  }
-
- private:
-  void findDepths(const fs::path& folder) {
-    requireFolder(folder);
-    const std::map<std::string, fs::path> images = imagesByName(folder);
-    for (const ImageTime& time : times_) {
-      const auto found = images.find(nameOfImage(time.id));
-      if (found != images.end()) depth_files_[time.id] = found->second;
-    }
-    if (depth_files_.empty()) {
-      throw std::runtime_error(folder.string() + ": no depth image of any image that times.txt lists, e.g. " +
-                               nameOfImage(times_.empty() ? 0 : times_.front().id) + ".png");
-    }
-  }
-
-  void readDepth(const fs::path& file, CameraImage& result) const {
-    const cv::Mat depth = readImage(file);
-    if (depth.empty()) {
-      result.problem = file.string() + ": not a readable depth image";
-      return;
-    }
-    requireSize(file, "depth image", depth);
-    try {
-      result.depth = depthInMetres(depth, depth_units_);
-    } catch (const std::invalid_argument& error) {
-      throw std::runtime_error(file.string() + ": " + error.what());
-    }
-  }
-
-  void requireSize(const fs::path& file, const char* what, const cv::Mat& image) const {
-    if (image.cols == calibration_.width && image.rows == calibration_.height) return;
-    std::ostringstream message;
-    message << file.string() << ": " << what << " is " << image.cols << "x" << image.rows << " px, camera.yaml says "
-            << calibration_.width << "x" << calibration_.height;
-    throw std::runtime_error(message.str());
-  }
-
-  static void requireFolder(const fs::path& folder) {
-    if (!fs::is_directory(folder)) {
-      throw std::runtime_error(folder.string() + ": no such folder");
-    }
-  }
-
-  CameraCalibration calibration_;
-  std::vector<ImageTime> times_;
-  std::vector<fs::path> files_;                    // by position, like times_
-  std::map<std::uint64_t, fs::path> depth_files_;  // by id
-  double depth_units_;                             // per metre
-  std::size_t next_ = 0;
-};
+}
 
 }  // namespace
 
 std::unique_ptr<SequenceReader> openSequenceFolder(const std::string& folder, const std::string& images_subfolder,
-                                                   const DepthFolder& depth) {
-  return std::make_unique<SequenceFolder>(folder, images_subfolder, depth);
+                                                   const DepthFolder& depth, const std::string& camera_file) {
+  const fs::path path(folder);
+  const fs::path images_folder = path / images_subfolder;
+  requireFolder(path);
+  requireFolder(images_folder);
+  const fs::path camera = camera_file.empty() ? cameraFileIn(folder) : camera_file;
+  ImageList list{readCameraFile(camera.string()).calibration, camera.filename().string(), {}, depth.units_per_metre};
+  const std::vector<ImageTime> times = readTimesFile((path / "times.txt").string());
+  const std::map<std::uint64_t, fs::path> images = imagesById(images_folder);
+  for (const ImageTime& time : times) {
+    const auto found = images.find(time.id);
+    if (found == images.end()) {
+      throw std::runtime_error((images_folder / nameOfImage(time.id)).string() +
+                               ".*: no such image, though times.txt lists it");
+    }
+    const bool exposed = images_subfolder == kFolderOfExposures;
+    list.images.push_back({time.mid_exposure_ns, exposed ? time.exposure : std::nullopt, found->second});
+  }
+  if (!depth.subfolder.empty()) findDepths(path / depth.subfolder, times, list);
+  return readListed(std::move(list));
 }
 
 }  // namespace mba_vo

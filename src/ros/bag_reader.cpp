@@ -55,6 +55,10 @@ class BagReader final : public SequenceReader {
 
  private:
   void readCalibration() {
+    if (topics_.calibration) {
+      calibration_ = *topics_.calibration;
+      return;
+    }
     rosbag::View view(bag_, rosbag::TopicQuery(topics_.camera_info));
     const auto info = view.begin() == view.end() ? nullptr : view.begin()->instantiate<sensor_msgs::CameraInfo>();
     if (!info) {

@@ -120,10 +120,13 @@ BagTopics findBagTopics(const rosbag::Bag& bag, const std::string& file, const B
   if (wanted.camera_info.empty()) {
     found.camera_info = siblingCameraInfo(topics, found.image);
   }
-  found.camera_info = choose(topics, file, "camera_info", found.camera_info, {"sensor_msgs/CameraInfo"});
-  if (found.camera_info.empty()) {
-    throw std::runtime_error("bag '" + file +
-                             "' has no topic of type sensor_msgs/CameraInfo: the calibration is missing");
+  if (!wanted.calibration) {
+    found.camera_info = choose(topics, file, "camera_info", found.camera_info, {"sensor_msgs/CameraInfo"});
+    if (found.camera_info.empty()) {
+      throw std::runtime_error("bag '" + file +
+                               "' has no topic of type sensor_msgs/CameraInfo: the calibration is missing; name a file "
+                               "that has it with --calibration");
+    }
   }
   found.exposure = choose(topics, file, "exposure", wanted.exposure, {"mba_vo/ExposureStamped"});
   return found;

@@ -6,6 +6,8 @@
 
 #include <opencv2/calib3d.hpp>
 
+#include "mba_vo/image/corrected_calibration.h"
+
 namespace mba_vo {
 namespace {
 
@@ -15,11 +17,16 @@ constexpr double kLargestRoundTrip = 0.02;  // [px]
 class RaySolver {
  public:
   explicit RaySolver(const CameraCalibration& c)
-      : K_(c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1), D_(c.distortion), fisheye_(c.distortion_model == "equidistant") {}
+      : calibration_(c),
+        K_(c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1),
+        D_(c.distortion),
+        fisheye_(c.distortion_model == "equidistant") {}
 
   std::vector<cv::Point2d> undistort(const std::vector<cv::Point2d>& pixels) const {
     std::vector<cv::Point2d> rays;
-    if (fisheye_) {
+    if (calibration_.distortion_model == "fov") {
+      for (const cv::Point2d& pixel : pixels) rays.push_back(rayOfFovPixel(calibration_, pixel));
+    } else if (fisheye_) {
       cv::fisheye::undistortPoints(pixels, rays, K_, D_);
     } else {
       const cv::TermCriteria precise(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 100, 1e-10);
@@ -31,16 +38,10 @@ class RaySolver {
 
  private:
   void checkRoundTrip(const std::vector<cv::Point2d>& pixels, const std::vector<cv::Point2d>& rays) const {
-    std::vector<cv::Point2d> back;
-    const cv::Vec3d none(0, 0, 0);
-    if (fisheye_) {
-      cv::fisheye::distortPoints(rays, back, K_, D_);
-    } else {
-      std::vector<cv::Point3d> points;
-      points.reserve(rays.size());
-      for (const auto& ray : rays) points.emplace_back(ray.x, ray.y, 1.0);
-      cv::projectPoints(points, none, none, K_, D_, back);
-    }
+    std::vector<cv::Point3d> points;
+    points.reserve(rays.size());
+    for (const auto& ray : rays) points.emplace_back(ray.x, ray.y, 1.0);
+    const std::vector<cv::Point2d> back = projectRays(calibration_, points);
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       if (cv::norm(back[i] - pixels[i]) < kLargestRoundTrip) continue;
       throw std::invalid_argument("distortion: cannot be undone at pixel (" + std::to_string(pixels[i].x) + ", " +
@@ -49,6 +50,7 @@ class RaySolver {
     }
   }
 
+  CameraCalibration calibration_;
   cv::Matx33d K_;
   std::vector<double> D_;
   bool fisheye_;

@@ -53,9 +53,11 @@ void checkDistortion(const std::string& model, const std::vector<double>& coeffi
     if (count != 0 && count != 8) fail("0 or 8");
   } else if (model == "equidistant") {
     if (count != 4) fail("4");
+  } else if (model == "fov") {
+    if (count != 1) fail("1");
   } else {
     throw std::invalid_argument("distortion_model = '" + model +
-                                "' is none of plumb_bob, rational_polynomial, equidistant");
+                                "' is none of plumb_bob, rational_polynomial, equidistant, fov");
   }
 }
 

@@ -1,5 +1,7 @@
 #include "mba_vo/image/corrected_calibration.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace mba_vo {
@@ -30,8 +32,21 @@ TEST(CorrectedCalibration, SeesWhatTheCorrectedCameraSees) {
   expectSameRays({640, 480, 460.0, 461.0, 322.0, 238.0, "plumb_bob", {0, 0, 0, 0, 0}});
   expectSameRays({640, 480, 460.0, 461.0, 322.0, 238.0, "plumb_bob", {-0.28, 0.07, 0.001, -0.002, 0.0}});
   expectSameRays({640, 480, 460.0, 461.0, 322.0, 238.0, "equidistant", {-0.03, 0.01, -0.004, 0.001}});
+  expectSameRays({640, 480, 460.0, 461.0, 322.0, 238.0, "fov", {0.5}});
   expectSameRays(
       {640, 480, 460.0, 461.0, 322.0, 238.0, "rational_polynomial", {0.1, -0.05, 0.0, 0.0, 0.0, 0.3, -0.02, 0.0}});
+}
+
+/// A lens of TUM-mono, in the corners of whose images the model has no ray.
+TEST(CorrectedCalibration, OfAFisheyeHeedsOnlyRaysBeforeTheCamera) {
+  const CameraCalibration told{1280, 1024, 447.0, 447.0, 631.0, 511.0, "fov", {0.933}};
+  ASSERT_TRUE(std::isinf(rayOfFovPixel(told, {0.0, 0.0}).x));
+  CalibrationCorrection correction;
+  correction.values(0) = 0.01;  // focal length
+  const CorrectedCalibration fitted = correctedCalibration(told, correction);
+  EXPECT_LT(fitted.error_px, 2.0);
+  const cv::Point2d wanted = projectRays(told, {{0.303, 0.0, 1.0}}).front();
+  EXPECT_NEAR(projectRays(fitted.calibration, {{0.3, 0.0, 1.0}}).front().x, wanted.x, 1.0);
 }
 
 TEST(CorrectedCalibration, OfACameraWithoutDistortionHasTheNumbersOfTheCorrection) {

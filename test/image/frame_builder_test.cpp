@@ -247,6 +247,12 @@ TEST(FrameBuilder, ImpossibleCalibrationNamesWhatIsWrong) {
        },
        {"plumb_bob", "3", "4 or 5"}},
       {[](CameraCalibration& c) { c.distortion_model = "rational_polynomial"; }, {"rational_polynomial", "5", "8"}},
+      {[](CameraCalibration& c) { c.distortion_model = "fov"; }, {"fov", "5", "1"}},
+      {[](CameraCalibration& c) {
+         c.distortion_model = "fov";
+         c.distortion = {3.2};
+       },
+       {"omega", "3.2", "pi"}},
       {[](CameraCalibration& c) { c.distortion_model = "equidistant"; }, {"equidistant", "5", "4"}},
       {[](CameraCalibration& c) { c.distortion[1] = INFINITY; }, {"coefficient", "inf"}},
       {[](CameraCalibration& c) {

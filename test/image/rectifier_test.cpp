@@ -20,6 +20,13 @@ cv::Point2d projectDistorted(const CameraCalibration& c, const Eigen::Vector3d& 
   const cv::Matx33d K(c.fx, 0.0, c.cx, 0.0, c.fy, c.cy, 0.0, 0.0, 1.0);
   const std::vector<cv::Point3d> points{{ray.x(), ray.y(), ray.z()}};
   const cv::Vec3d zero(0.0, 0.0, 0.0);
+  if (c.distortion_model == "fov") {  // which OpenCV lacks: the angle off the axis becomes the radius
+    const double tangent = ray.head<2>().norm() / ray.z();
+    const double radius = std::atan(2.0 * tangent * std::tan(c.distortion[0] / 2.0)) / c.distortion[0];
+    const Eigen::Vector2d at =
+        tangent > 0.0 ? Eigen::Vector2d(ray.head<2>().normalized() * radius) : Eigen::Vector2d(0, 0);
+    return {c.fx * at.x() + c.cx, c.fy * at.y() + c.cy};
+  }
   std::vector<cv::Point2d> pixels;
   if (c.distortion_model == "equidistant") {
     cv::fisheye::projectPoints(points, pixels, zero, zero, K, c.distortion);
@@ -109,7 +116,8 @@ INSTANTIATE_TEST_SUITE_P(
                       std::make_tuple("rational_polynomial",
                                       std::vector<double>{0.4, -0.1, 0.0002, -0.0003, 0.01, 0.7, -0.05, 0.02}),
                       std::make_tuple("equidistant", std::vector<double>{-0.01, 0.02, -0.005, 0.001}),
-                      std::make_tuple("equidistant", std::vector<double>{0.0, 0.0, 0.0, 0.0})));
+                      std::make_tuple("equidistant", std::vector<double>{0.0, 0.0, 0.0, 0.0}),
+                      std::make_tuple("fov", std::vector<double>{0.93})));
 
 TEST(Rectifier, BarrelDistortionKeepsTheFieldOfView) {
   const Rectifier rectifier(calibrationOf("plumb_bob", {-0.28, 0.07, 0.0, 0.0}));
@@ -134,7 +142,10 @@ TEST(Rectifier, FoldedDistortionIsNotTakenForImage) {
 
 TEST(Rectifier, UndistortedIsIdentity) {
   const std::vector<std::tuple<std::string, std::vector<double>>> undistorted{
-      {"plumb_bob", {0.0, 0.0, 0.0, 0.0, 0.0}}, {"", {}}, {"rational_polynomial", std::vector<double>(8, 0.0)}};
+      {"plumb_bob", {0.0, 0.0, 0.0, 0.0, 0.0}},
+      {"", {}},
+      {"fov", {0.0}},
+      {"rational_polynomial", std::vector<double>(8, 0.0)}};
   for (const auto& [model, distortion] : undistorted) {
     const Rectifier rectifier(calibrationOf(model, distortion));
     EXPECT_TRUE(rectifier.isIdentity()) << model;

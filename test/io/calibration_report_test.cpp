@@ -6,6 +6,7 @@
 
 #include "io/temporary_folder.h"
 #include "mba_vo/image/corrected_calibration.h"
+#include "mba_vo/io/camera_file.h"
 #include "mba_vo/io/camera_memory.h"
 #include "mba_vo/io/camera_yaml.h"
 #include "mba_vo/odometry/config_yaml.h"
@@ -39,7 +40,7 @@ TEST(CameraYaml, WhatIsWrittenIsRead) {
   camera.fx = 460.0 / 3.0;
   std::ostringstream text;
   writeCameraYaml(camera, "mine", text);
-  const CameraCalibration read = loadCameraYaml(folder.write("camera.yaml", text.str()));
+  const CameraCalibration read = readCameraFile(folder.write("camera.yaml", text.str())).calibration;
   EXPECT_EQ(read.fx, camera.fx);
   EXPECT_EQ(read.fy, camera.fy);
   EXPECT_EQ(read.cy, camera.cy);
@@ -56,7 +57,7 @@ TEST(CalibrationReport, CameraAndSensorFileBelongTogether) {
   another.calibration.fx += 1.0;
   writeCalibration(folder.file("out"), another, study);
   writeCalibration(folder.file("out"), told, study);  // over files of an earlier time, too
-  const CameraCalibration camera = loadCameraYaml(folder.file("out/camera.yaml"));
+  const CameraCalibration camera = readCameraFile(folder.file("out/camera.yaml")).calibration;
   const Eigen::Vector2d x = study.estimate.correction.apply({0.3, -0.2});
   const cv::Point2d wanted = projectRays(told.calibration, {{x.x(), x.y(), 1.0}}).front();
   const cv::Point2d seen = projectRays(camera, {{0.3, -0.2, 1.0}}).front();

@@ -278,6 +278,25 @@ TEST_F(BagTest, UncalibratedCameraIsNamed) {
   EXPECT_NE(error.find("K[0]"), std::string::npos) << error;
 }
 
+/// As the bags of EuRoC are.
+TEST_F(BagTest, ABagWithoutCameraInfoIsReadWithACalibrationOfItsOwn) {
+  rosbag::Bag bag(file_, rosbag::bagmode::Write);
+  sensor_msgs::Image image;
+  image.header.stamp = ros::Time(1600000000, 5);
+  image.width = image.step = 32;
+  image.height = 20;
+  image.encoding = "mono8";
+  image.data.assign(32 * 20, 77);
+  bag.write("/cam0/image_raw", image.header.stamp, image);
+  bag.close();
+  EXPECT_NE(errorOf({}).find("--calibration"), std::string::npos) << errorOf({});
+  BagTopics topics;
+  topics.calibration = testCalibration();
+  const auto reader = openBag(file_, topics);
+  EXPECT_EQ(reader->calibration().fx, 30.5);
+  EXPECT_EQ(reader->next()->image.at<unsigned char>(3, 3), 77);
+}
+
 TEST_F(BagTest, MissingAndBrokenFilesAreNamed) {
   EXPECT_NE(errorOf({}).find(file_), std::string::npos);
   std::ofstream(file_) << "this is no bag";

@@ -18,6 +18,12 @@ cv::Point2d projectByOpenCv(const CameraCalibration& c, const cv::Point3d& point
   const std::vector<cv::Point3d> points = {point};
   std::vector<cv::Point2d> pixels;
   const cv::Vec3d zero(0, 0, 0);
+  if (c.distortion_model == "fov") {  // which OpenCV lacks
+    const cv::Point2d ray(point.x / point.z, point.y / point.z);
+    const double tangent = std::max(1e-9, cv::norm(ray));
+    const double scale = std::atan(2.0 * tangent * std::tan(0.5 * c.distortion[0])) / c.distortion[0] / tangent;
+    return {c.fx * scale * ray.x + c.cx, c.fy * scale * ray.y + c.cy};
+  }
   if (c.distortion_model == "equidistant") {
     cv::fisheye::projectPoints(points, pixels, zero, zero, K, c.distortion);
   } else {
@@ -45,6 +51,7 @@ TEST(Distortion, PointsLandWhereOpenCvProjectsThem) {
       lens("plumb_bob", {}),
       lens("rational_polynomial", {0.4, 0.1, 1e-4, 2e-4, 0.01, 0.7, 0.2, 0.03}),
       lens("equidistant", {0.01, -0.005, 0.002, -0.0005}),
+      lens("fov", {0.93}),
   };
   for (const CameraCalibration& calibration : lenses) {
     for (const Eigen::Vector2d& at :

@@ -8,7 +8,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "mba_vo/datasets/dataset.h"
+
 #ifdef MBA_VO_WITH_ROS
+#include "mba_vo/io/camera_file.h"
 #include "mba_vo/ros/bag_reader.h"
 #endif
 
@@ -62,6 +65,7 @@ std::unique_ptr<mba_vo::SequenceReader> openBag(const RecordingArguments& a) {
   topics.depth_tolerance = a.depth_tolerance;
   topics.stamp_reference = mba_vo::parseStampReference(a.stamp_reference);
   topics.rectified = a.rectified;
+  if (!a.calibration.empty()) topics.calibration = mba_vo::readCameraFile(a.calibration, a.camera).calibration;
   auto bag = mba_vo::openBag(a.sequence, topics);
   const std::optional<double> exposure = exposureOverride(a);
   if (!exposure) {
@@ -75,10 +79,18 @@ std::unique_ptr<mba_vo::SequenceReader> openBag(const RecordingArguments& a) {
 }
 #endif
 
+mba_vo::Dataset openFolder(const RecordingArguments& a) {
+  return mba_vo::openDataset(a.sequence, {a.images, a.depth, a.calibration, a.camera});
+}
+
 }  // namespace
 
 void describeRecording(CLI::App& app, RecordingArguments& a) {
-  app.add_option("SEQUENCE", a.sequence, "sequence folder (camera.yaml, times.txt, images) or .bag file");
+  app.add_option("SEQUENCE", a.sequence, "folder of a sequence or of a known data set, or .bag file");
+  app.add_option("--calibration", a.calibration,
+                 "file with the calibration of the camera (ROS, Kalibr, ASL, TUM-mono), in place of the recording's")
+      ->check(CLI::ExistingFile);
+  app.add_option("--camera", a.camera, "which of several cameras of a folder or a calibration: cam0, cam1, ...");
   app.add_option("--images", a.images, "sub-folder with the images of a sequence folder")->capture_default_str();
   app.add_option(
       "--depth", a.depth.subfolder,
@@ -117,10 +129,16 @@ std::unique_ptr<mba_vo::ProgressBar> progressBar(const RecordingArguments& a, co
   return std::make_unique<mba_vo::ProgressBar>(std::cerr, end, isatty(STDERR_FILENO) == 1, a.skip);
 }
 
+void adoptWhatIsKnown(const RecordingArguments& a, mba_vo::FrameBuilderConfig& config, std::ostream& log) {
+  if (!std::filesystem::is_directory(a.sequence)) return;
+  const mba_vo::Dataset dataset = openFolder(a);
+  dataset.configure(config);
+  for (const std::string& note : dataset.notes) log << dataset.form << ": " << note << "\n";
+}
+
 std::unique_ptr<mba_vo::SequenceReader> openSequence(const RecordingArguments& a) {
   if (!std::filesystem::exists(a.sequence)) {
     throw std::runtime_error(a.sequence + ": no such sequence folder or bag");
   }
-  if (!std::filesystem::is_directory(a.sequence)) return openBag(a);
-  return mba_vo::openSequenceFolder(a.sequence, a.images, a.depth);
+  return std::filesystem::is_directory(a.sequence) ? openFolder(a).reader : openBag(a);
 }

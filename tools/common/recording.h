@@ -3,10 +3,12 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <ostream>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
+#include "mba_vo/image/frame_builder.h"
 #include "mba_vo/io/progress_bar.h"
 #include "mba_vo/io/sequence.h"
 
@@ -15,6 +17,8 @@ struct RecordingArguments {
   std::string sequence;
   std::string images = "images";
   mba_vo::DepthFolder depth;
+  std::string calibration;  // file, empty = that of the recording
+  std::string camera;       // empty = the first
   std::string exposure = "auto";
   std::string image_topic;
   std::string camera_info_topic;
@@ -35,6 +39,10 @@ std::optional<double> exposureOverride(const RecordingArguments& a);
 
 /// On the terminal, if there is one, for the images of `reader` that are to be taken.
 std::unique_ptr<mba_vo::ProgressBar> progressBar(const RecordingArguments& a, const mba_vo::SequenceReader& reader);
+
+/// What the form of the recording tells of the camera goes into `config`, where that does not tell it, and its notes to
+/// the user into `log`. Throws as openSequence.
+void adoptWhatIsKnown(const RecordingArguments& a, mba_vo::FrameBuilderConfig& config, std::ostream& log);
 
 /// From its beginning. Throws std::runtime_error naming what is missing or wrong.
 std::unique_ptr<mba_vo::SequenceReader> openSequence(const RecordingArguments& a);

@@ -1,4 +1,4 @@
-// Turns a sequence folder into a bag that a live node can be fed with.
+// Turns a folder of images into a bag that a live node can be fed with.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -6,13 +6,13 @@
 
 #include <CLI/CLI.hpp>
 
-#include "mba_vo/io/sequence.h"
+#include "mba_vo/datasets/dataset.h"
 #include "mba_vo/ros/bag_image_writer.h"
 
 int main(int argc, char** argv) {
-  CLI::App app{"Turns a sequence folder into a rosbag: /camera/image_raw, /camera/camera_info, /camera/exposure."};
+  CLI::App app{"Turns a folder of images into a rosbag: /camera/image_raw, /camera/camera_info, /camera/exposure."};
   std::string sequence, output, images = "images", stamp_reference = "middle";
-  app.add_option("SEQUENCE", sequence, "sequence folder")->required();
+  app.add_option("SEQUENCE", sequence, "folder of a sequence or of a known data set")->required();
   app.add_option("--output", output, "bag to write")->required();
   app.add_option("--images", images, "subfolder of the images")->capture_default_str();
   app.add_option("--stamp-reference", stamp_reference, "what the stamps shall refer to: start, middle, end")
@@ -28,7 +28,10 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
-    const auto reader = mba_vo::openSequenceFolder(sequence, images, depth);
+    mba_vo::DatasetOptions form;
+    form.images = images;
+    form.depth = depth;
+    const auto reader = mba_vo::openDataset(sequence, form).reader;
     mba_vo::BagImageWriter writer(output, reader->calibration(), mba_vo::parseStampReference(stamp_reference));
     const std::int64_t offset_ns = std::llround(1e9 * time_offset);
     std::size_t count = 0;

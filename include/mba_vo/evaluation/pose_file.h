@@ -26,6 +26,7 @@ struct PoseRecord {
 /// Reads a trajectory, sorted by time. Two forms, told apart by the number of columns:
 ///   8: `t tx ty tz qx qy qz qw` (TUM form)
 ///  16: `t_mid exposure` + start pose + end pose; the mid pose is then the middle of the constant-velocity motion.
+/// A line of the first form whose pose is all `nan` tells that it is unknown (TUM-mono), and is left out.
 /// `#` begins a comment; the comment `# map N` assigns the poses after it to map N (0 before the first).
 /// Throws std::runtime_error naming file and line for anything else, and for a file without poses.
 std::vector<PoseRecord> readPoseFile(const std::string& file);

@@ -5,12 +5,12 @@
 
 namespace mba_vo {
 
-/// Calibration of a camera in the terms of sensor_msgs/CameraInfo.
+/// Calibration of a camera in the terms of sensor_msgs/CameraInfo, and with the model `fov` beyond it.
 struct CameraCalibration {
   int width = 0;                               // [px]
   int height = 0;                              // [px]
   double fx = 0, fy = 0, cx = 0, cy = 0;       // K [px]
-  std::string distortion_model = "plumb_bob";  // plumb_bob, rational_polynomial or equidistant; "" = none
+  std::string distortion_model = "plumb_bob";  // ..., rational_polynomial, equidistant, fov; "" = none
   std::vector<double> distortion;              // D
 };
 

@@ -12,6 +12,9 @@ namespace mba_vo {
 /// Where the camera sees these rays [px].
 std::vector<cv::Point2d> projectRays(const CameraCalibration& calibration, const std::vector<cv::Point3d>& rays);
 
+/// The ray, at depth 1, that the pixel of a camera of the model `fov` sees.
+cv::Point2d rayOfFovPixel(const CameraCalibration& calibration, const cv::Point2d& pixel);
+
 struct CorrectedCalibration {
   CameraCalibration calibration;
   double error_px = 0.0;  // largest, of what it cannot express of the correction [px]

@@ -8,6 +8,9 @@
 
 namespace mba_vo {
 
+/// Whether its extension is that of an image.
+bool isImageName(const std::filesystem::path& file);
+
 /// Name without extension -> file, of every image in `folder`.
 std::map<std::string, std::filesystem::path> imagesByName(const std::filesystem::path& folder);
 

@@ -32,11 +32,12 @@ struct DepthFolder {
   double units_per_metre = kTumDepthUnits;  // of the pixels
 };
 
-/// Opens a sequence folder: camera.yaml, times.txt, <images>/<id, six digits>.<webp|png|jpg|...>. Stamps are those of
-/// mid-exposure. The exposures of times.txt are those of the sub-folder `images`; for any other sub-folder they are
-/// unknown. Depth images <depth>/<id, six digits>.png, 16 bit, belong to the image of the same id, pixel by pixel;
-/// there may be some for a few images only. Throws std::runtime_error naming what is missing or malformed.
+/// Opens a sequence folder: a camera file (cameraFileIn, or `camera_file`), times.txt, <images>/<id, six digits by
+/// custom>.<webp|png|jpg|...>. A folder of TUM-mono is one, too. Stamps are those of mid-exposure. The exposures of
+/// times.txt are those of the sub-folder `images`; for any other sub-folder they are unknown. Depth images
+/// <depth>/<id>.png, 16 bit, belong to the image of the same id, pixel by pixel; there may be some for a few images
+/// only. Throws std::runtime_error naming what is missing or malformed.
 std::unique_ptr<SequenceReader> openSequenceFolder(const std::string& folder, const std::string& images_subfolder,
-                                                   const DepthFolder& depth = {});
+                                                   const DepthFolder& depth = {}, const std::string& camera_file = "");
 
 }  // namespace mba_vo

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "mba_vo/io/sequence.h"
@@ -16,7 +17,8 @@ struct BagTopics {
   std::string depth;              // sensor_msgs/Image as in REP-118; none if not named
   double depth_tolerance = 0.02;  // between the stamps of an image and its depth image [s]
   StampReference stamp_reference = StampReference::kMiddle;
-  bool rectified = false;  // the images are rectified already: use P, no distortion
+  bool rectified = false;                          // the images are rectified already: use P, no distortion
+  std::optional<CameraCalibration> calibration{};  // in place of camera_info, which is then not needed
 };
 
 /// Topics below this namespace are ground truth; they are never read.

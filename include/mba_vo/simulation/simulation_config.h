@@ -107,7 +107,7 @@ struct SimulationConfig {
     v("fy", c.fy, 0.0, 1e5, "vertical focal length [px], 0 = fx");
     v("cx", c.cx, -1.0, 8192.0, "principal point [px], -1 = middle of the image");
     v("cy", c.cy, -1.0, 8192.0, "principal point [px], -1 = middle of the image");
-    v("distortion_model", c.distortion_model, "plumb_bob, rational_polynomial or equidistant");
+    v("distortion_model", c.distortion_model, "plumb_bob, rational_polynomial, equidistant or fov");
     v("distortion", c.distortion, "distortion coefficients in the order of sensor_msgs/CameraInfo");
     v("rate", c.rate, 0.1, 1000.0, "frames per second [Hz]");
     v("exposure", c.exposure, 0.0, 1.0, "exposure time [s], at most one frame interval");
