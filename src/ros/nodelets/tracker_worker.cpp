@@ -224,7 +224,7 @@ void TrackerWorker::sayIfChanged(const TrackerStep& step) {
   if (phase == before) return;
   const std::string why = step.message.tracked ? step.message.tracked->reason : step.reason;
   if (phase == TrackingPhase::kLost) ROS_WARN_STREAM("the camera is lost, and looked for: " << why);
-  if (phase == TrackingPhase::kNoMap) ROS_WARN_STREAM("there is no map any more: " << why);
+  if (phase == TrackingPhase::kNoMap && !step.began_anew) ROS_WARN_STREAM("there is no map any more: " << why);
   if (before == TrackingPhase::kLost && phase != TrackingPhase::kNoMap) ROS_INFO("the camera is found again");
   if (phase == TrackingPhase::kCatchingUp && before == TrackingPhase::kNoMap) {
     ROS_INFO("there is a map: the images that waited for it are caught up with");
