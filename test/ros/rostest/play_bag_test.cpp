@@ -168,11 +168,11 @@ TEST_F(PlayBag, TransformsBelongToTheMotions) {
     EXPECT_EQ((transforms[{"base_link", mid}].header.frame_id), "odom");
     EXPECT_NEAR((transforms[{"exposure_start", mid}].transform.translation.x), motion->start.position.x, 1e-12);
     EXPECT_NEAR((transforms[{"exposure_end", mid}].transform.translation.y), motion->end.position.y, 1e-12);
-    // The camera mounted on the base is, at mid-exposure, half way between start and end.
+    // The camera mounted on the base is, at mid-exposure, half way between start and end, but for the acceleration.
     const SE3 mid_camera = fromTransformMsg(transforms[{"base_link", mid}].transform) * extrinsic();
     const SE3 start = fromTransformMsg(transforms[{"exposure_start", mid}].transform);
     const SE3 end = fromTransformMsg(transforms[{"exposure_end", mid}].transform);
-    EXPECT_LT((start * SE3::exp(0.5 * (start.inverse() * end).log()) * mid_camera.inverse()).log().norm(), 1e-6);
+    EXPECT_LT((start * SE3::exp(0.5 * (start.inverse() * end).log()) * mid_camera.inverse()).log().norm(), 5e-4);
   }
 }
 
