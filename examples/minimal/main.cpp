@@ -5,7 +5,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "mba_vo/io/camera_yaml.h"
+#include "mba_vo/io/camera_file.h"
 #include "mba_vo/odometry/config_yaml.h"
 #include "mba_vo/odometry/odometry.h"
 
@@ -15,7 +15,7 @@ int main(int argc, char** argv) try {
   mba_vo::OdometryConfig config;
   mba_vo::finalize(config);
   mba_vo::Odometry odometry(config, 0);
-  odometry.setCalibration(mba_vo::loadCameraYaml(argv[1]), {});
+  odometry.setCalibration(mba_vo::readCameraFile(argv[1]).calibration, {});
   for (int i = 4; i < argc; ++i) {
     mba_vo::CameraImage image;
     image.sequence = static_cast<std::uint64_t>(i - 4);

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "forms.h"
+#include "mba_vo/io/image_files.h"
 
 namespace mba_vo {
 namespace {
