@@ -3,7 +3,7 @@
 include(CMakeFindDependencyMacro)
 list(PREPEND CMAKE_MODULE_PATH ${mba_vo_DIR})  # FindCHOLMOD.cmake
 find_dependency(Eigen3 3.3)
-find_dependency(OpenCV COMPONENTS core imgproc imgcodecs calib3d video dnn)
+find_dependency(OpenCV COMPONENTS core imgproc imgcodecs calib3d video videoio dnn)
 find_dependency(TBB)
 find_dependency(yaml-cpp)
 find_dependency(CHOLMOD)
