@@ -39,3 +39,8 @@ mba_vo_rostest(play_bag TIMEOUT 520 SOURCES ${ros_test_folder}/demo_sequence.cpp
 mba_vo_rostest(deblurring TIMEOUT 320 SOURCES ${ros_test_folder}/demo_sequence.cpp DEPENDS mba_vo_evaluation
   ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
 set_tests_properties(mba_vo_rostest_deblurring PROPERTIES DEPENDS mba_vo_rostest_play_bag)  # which makes the bag
+
+# Bags that are each spoilt in one way: each fault must be named, and no other.
+add_test(NAME check_names_what_is_wrong_with_bags COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/scripts/spoil.py
+  --output ${CMAKE_CURRENT_BINARY_DIR}/spoilt_bags --check $<TARGET_FILE:mba_vo_check>)
+set_tests_properties(check_names_what_is_wrong_with_bags PROPERTIES TIMEOUT 320 ENVIRONMENT "${ros_test_environment}")

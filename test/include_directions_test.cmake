@@ -15,10 +15,11 @@ set(trajectory_may ${tracking_may} tracking)
 set(mapping_may ${window_may} window initialization relocalization trajectory deblur)
 set(odometry_may ${mapping_may} mapping)
 set(io_may ${odometry_may} odometry)
+set(inspection_may ${io_may} io)
 set(simulation_may geometry image)
 set(evaluation_may geometry)
 set(modules geometry solver image blur tracking deblur depth_search window initialization relocalization trajectory
-    mapping odometry io simulation evaluation)
+    mapping odometry io inspection simulation evaluation)
 set(ros_headers "ros/|rosbag/|nodelet/|pluginlib/|cv_bridge/|image_transport/|tf2|sensor_msgs/|nav_msgs/|geometry_msgs/|std_msgs/|mba_vo/[A-Z]")
 
 set(violations "")

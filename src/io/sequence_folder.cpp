@@ -1,15 +1,11 @@
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <iomanip>
 #include <map>
-#include <set>
 #include <sstream>
 #include <stdexcept>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "mba_vo/io/camera_yaml.h"
+#include "mba_vo/io/image_file.h"
 #include "mba_vo/io/sequence.h"
 #include "mba_vo/io/times_file.h"
 
@@ -20,19 +16,11 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFolderOfExposures = "images";  // times.txt speaks of these images
 
-std::string lowerCaseExtension(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
 /// Name without extension -> file, of every image in `folder`.
 std::map<std::string, fs::path> imagesByName(const fs::path& folder) {
-  const std::set<std::string> extensions{".webp", ".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".tif", ".tiff"};
   std::map<std::string, fs::path> images;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (extensions.count(lowerCaseExtension(entry.path())) != 0) {
+    if (isImageName(entry.path())) {
       images[entry.path().stem().string()] = entry.path();
     }
   }
@@ -44,16 +32,6 @@ std::string nameOfImage(std::uint64_t id) {
   std::ostringstream name;
   name << std::setw(kDigits) << std::setfill('0') << id;
   return name.str();
-}
-
-/// Colour and depth as stored, except that webp knows no grey images.
-cv::Mat readImage(const fs::path& file) {
-  const int flags = lowerCaseExtension(file) == ".webp" ? cv::IMREAD_GRAYSCALE : cv::IMREAD_UNCHANGED;
-  try {
-    return cv::imread(file.string(), flags);
-  } catch (const cv::Exception&) {
-    return {};
-  }
 }
 
 class SequenceFolder : public SequenceReader {
@@ -92,7 +70,7 @@ class SequenceFolder : public SequenceReader {
     result.sequence = next_++;
     result.stamp_ns = result.mid_exposure_ns = time.mid_exposure_ns;
     result.exposure = time.exposure;
-    result.image = readImage(file);
+    result.image = readImageFile(file);
     if (result.image.empty()) {
       result.problem = file.string() + ": not a readable image";
     } else {
@@ -124,7 +102,7 @@ class SequenceFolder : public SequenceReader {
   }
 
   void readDepth(const fs::path& file, CameraImage& result) const {
-    const cv::Mat depth = readImage(file);
+    const cv::Mat depth = readImageFile(file);
     if (depth.empty()) {
       result.problem = file.string() + ": not a readable depth image";
       return;
