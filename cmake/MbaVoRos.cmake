@@ -38,7 +38,7 @@ endfunction()
 file(GLOB MBA_VO_ROS_SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/ros/*.cpp)
 add_library(mba_vo_ros STATIC ${MBA_VO_ROS_SOURCES})
 mba_vo_ros_target(mba_vo_ros)
-target_link_libraries(mba_vo_ros PUBLIC mba_vo_io mba_vo_capture mba_vo_simulation ${catkin_LIBRARIES})
+target_link_libraries(mba_vo_ros PUBLIC mba_vo_capture mba_vo_inspection mba_vo_simulation ${catkin_LIBRARIES})
 
 # The two nodelets, and both in one process for rosrun.
 file(GLOB MBA_VO_NODELET_SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/ros/nodelets/*.cpp)
@@ -64,7 +64,7 @@ target_link_libraries(mba_vo_camera PRIVATE mba_vo_ros CLI11::CLI11)
 set_property(GLOBAL APPEND PROPERTY MBA_VO_PROGRAMS mba_vo_camera)
 
 # The programs that also read or write bags when ROS is there; all programs are found by rosrun.
-foreach(program mba_vo_calibrate mba_vo_offline mba_vo_simulate)
+foreach(program mba_vo_calibrate mba_vo_check mba_vo_offline mba_vo_simulate)
   if(TARGET ${program})
     target_compile_definitions(${program} PRIVATE MBA_VO_WITH_ROS)
     mba_vo_ros_target(${program})

@@ -76,3 +76,8 @@ find_program(MBA_VO_CATKIN_LINT catkin_lint)
 if(MBA_VO_CATKIN_LINT)
   add_test(NAME catkin_lint COMMAND ${MBA_VO_CATKIN_LINT} -W1 --strict --offline --quiet ${CMAKE_CURRENT_SOURCE_DIR})
 endif()
+
+# Bags that are each spoilt in one way: each fault must be named, and no other.
+add_test(NAME check_names_what_is_wrong_with_bags COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/scripts/spoil.py
+  --output ${CMAKE_CURRENT_BINARY_DIR}/spoilt_bags --check $<TARGET_FILE:mba_vo_check>)
+set_tests_properties(check_names_what_is_wrong_with_bags PROPERTIES TIMEOUT 320 ENVIRONMENT "${ros_test_environment}")

@@ -19,6 +19,7 @@ function(mba_vo_tool name)
 endfunction()
 
 mba_vo_tool(mba_vo_calibrate mba_vo_datasets)
+mba_vo_tool(mba_vo_check mba_vo_inspection)
 mba_vo_tool(mba_vo_deblur mba_vo_datasets)
 mba_vo_tool(mba_vo_evaluate mba_vo_datasets)
 mba_vo_tool(mba_vo_offline mba_vo_datasets)
@@ -59,3 +60,4 @@ mba_vo_tool_test(simulate_long_exposure mba_vo_simulate "exposure = 0.05[0-9]* s
   --output out --exposure 0.05)
 mba_vo_tool_test(simulate_wrong_lens mba_vo_simulate "distortion_model = 'barrel' is none of"
   --output out --distortion-model barrel)
+mba_vo_tool_test(check_nothing_there mba_vo_check "/nonexistent: no such sequence folder or bag" /nonexistent)

@@ -16,11 +16,12 @@ set(mapping_may ${window_may} window initialization relocalization trajectory de
 set(odometry_may ${mapping_may} mapping)
 set(io_may ${odometry_may} odometry)
 set(capture_may ${io_may} io)
+set(inspection_may ${io_may} io)
 set(simulation_may geometry image)
 set(evaluation_may geometry)
 set(datasets_may ${io_may} io evaluation)
 set(modules geometry solver image blur tracking deblur depth_search window initialization relocalization trajectory
-    mapping odometry io capture simulation evaluation datasets)
+    mapping odometry io capture inspection simulation evaluation datasets)
 set(ros_headers "ros/|rosbag/|nodelet/|pluginlib/|cv_bridge/|image_transport/|camera_info_manager/|tf2|sensor_msgs/|nav_msgs/|geometry_msgs/|std_msgs/|visualization_msgs/|diagnostic_|mba_vo/[A-Z]")
 
 set(violations "")
