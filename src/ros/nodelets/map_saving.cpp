@@ -29,6 +29,7 @@ std::filesystem::path makeFolder(const std::string& name) {
 
 std::string saveTrajectory(const std::string& folder, MapperWorker& worker, std::chrono::seconds timeout) {
   const std::vector<TrajectoryEntry> trajectory = waitFor(worker.trajectory(), timeout);
+  if (trajectory.empty()) throw std::runtime_error("there are no poses to be saved");
   const std::filesystem::path place = makeFolder(folder);
   writeFile((place / "trajectory.txt").string(), [&](std::ostream& out) { writeTrajectory(trajectory, out); });
   writeFile((place / "exposure_trajectory.txt").string(),
