@@ -35,8 +35,8 @@ int main(int argc, char** argv) {
     std::fputs(mba_vo::listDevices(mba_vo::kernelCalls()).c_str(), stdout);
     return 0;
   }
+  const ros::NodeHandle nh("~");  // outlives the message below: with the last one the console ends
   try {
-    const ros::NodeHandle nh("~");
     runUntilEnd(mba_vo::CameraDriver(nh, mba_vo::parseCameraConfig(mba_vo::readParameters(nh))));
   } catch (const std::exception& error) {
     ROS_FATAL_STREAM(error.what());

@@ -83,7 +83,7 @@ TEST_F(CameraNodeletTest, PlaysAVideoWhenSomebodyListens) {
     EXPECT_TRUE(std::isnan(exposures_[i]->exposure_time));
     EXPECT_NEAR((images_[i]->header.stamp - images_[0]->header.stamp).toSec(), i / 20.0, 1e-4);
   }
-  EXPECT_NEAR(infos_[0]->K[0], 32.0, 1e-9);  // 64 px see 90 degrees
+  EXPECT_NEAR(infos_[0]->K[0], 32.0, 1e-9);                                              // 64 px see 90 degrees
   EXPECT_LT(std::abs((ros::Time::now() - images_[0]->header.stamp).toSec()), kTimeout);  // taken just now
 }
 
