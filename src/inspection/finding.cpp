@@ -9,7 +9,7 @@ namespace mba_vo {
 const std::vector<CheckText>& allChecks() {
   constexpr Severity kNote = Severity::kNote;
   constexpr Severity kProblem = Severity::kProblem;
-  static const std::vector<CheckText> checks{
+  static const std::vector<CheckText> kChecks{
     // The recording as a whole.
     {Check::kNotABag, "not-a-bag", kProblem, "nothing can be read", "give a .bag file of ROS 1, or a sequence folder"},
     {Check::kNeedsReindex, "needs-reindex", kProblem, "nothing can be read", "rosbag reindex FILE"},
@@ -58,7 +58,7 @@ const std::vector<CheckText>& allChecks() {
     {Check::kExposureZero, "exposure-zero", kProblem, "0 is instantaneous: every image is taken for sharp", "NaN where it is not known; --exposure auto or seconds"},
     {Check::kExposureUnmatched, "exposure-unmatched", kProblem, "these images have no exposure", "publish exposures with the stamps of their images"},
   };
-  return checks;
+  return kChecks;
 }
 // clang-format on
 
