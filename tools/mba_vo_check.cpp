@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -23,6 +24,12 @@ struct Arguments {
   std::string images = "images";
   std::string image_topic;
 };
+
+void describe(CLI::App& app, Arguments& a) {
+  app.add_option("RECORDING", a.recording, "sequence folder (camera.yaml, times.txt, images) or .bag file")->required();
+  app.add_option("--images", a.images, "sub-folder with the images of a sequence folder")->capture_default_str();
+  app.add_option("--image-topic", a.image_topic, "look at this topic of the bag only");
+}
 
 mba_vo::InspectionReport inspectBag(const Arguments& a, const mba_vo::InspectionProgress& progress) {
 #ifdef MBA_VO_WITH_ROS
@@ -59,16 +66,8 @@ int main(int argc, char** argv) {
       "is wrong, 1 = there are problems, 2 = it cannot be read.",
       "mba_vo_check");
   Arguments arguments;
-  app.add_option("RECORDING", arguments.recording, "sequence folder (camera.yaml, times.txt, images) or .bag file")
-      ->required();
-  app.add_option("--images", arguments.images, "sub-folder with the images of a sequence folder")
-      ->capture_default_str();
-  app.add_option("--image-topic", arguments.image_topic, "look at this topic of the bag only");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kUnreadable;
-  }
+  describe(app, arguments);
+  CLI11_PARSE(app, argc, argv);
   try {
     return check(arguments);
   } catch (const std::exception& error) {

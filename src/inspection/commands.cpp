@@ -30,11 +30,6 @@ std::string exposureToTell(const CameraReport& camera) {
   return unit && constant ? number(usual * unit->seconds, 6) : "";
 }
 
-std::string rowTimeToTell(const CameraReport& camera) {
-  const auto row_time = guessRowTime(camera.facts.images);
-  return row_time && has(camera, Check::kRollingShutter) ? number(row_time->seconds) : "";
-}
-
 std::string quoted(const std::string& path) {
   const bool plain = path.find_first_of(" '\"\\$&()*;<>?[]`{|}~#!") == std::string::npos;
   if (plain) return path;
@@ -69,19 +64,16 @@ std::string launchLine(const InspectionReport& report, const CameraReport& camer
 Commands commandsFor(const InspectionReport& report, const CameraReport& camera) {
   Commands commands;
   const CameraSource& source = camera.source;
-  if (camera.facts.images.empty() || !report.readable) return commands;
-  const std::string row_time = rowTimeToTell(camera);
+  if (camera.facts.images.empty() || !camera.facts.calibration) return commands;
   if (has(camera, Check::kWhiteLevel)) {
     commands.options_yaml.push_back("white_level: " + number(camera.facts.white_level, 5));
   }
   if (has(camera, Check::kGamma)) commands.options_yaml.emplace_back("gamma: 2.2");
-  if (!row_time.empty() && report.is_bag) commands.options_yaml.push_back("row_time: " + row_time);
   const bool config = !commands.options_yaml.empty();
   std::string offline = "rosrun mba_vo mba_vo_offline " + quoted(report.path) + " --output output";
   if (source.images_subfolder != "images") offline += option("--images ", source.images_subfolder);
   offline += option("--image-topic ", source.image) + option("--camera-info-topic ", source.camera_info) +
-             option("--exposure-topic ", source.exposure) + option("--exposure ", exposureToTell(camera)) +
-             option("--row-time ", row_time);
+             option("--exposure-topic ", source.exposure) + option("--exposure ", exposureToTell(camera));
   if (config) offline += std::string(" --config ") + kOptionsFile;
   commands.lines.push_back(offline);
   if (report.is_bag) commands.lines.push_back(launchLine(report, camera, config));

@@ -9,7 +9,7 @@ namespace mba_vo {
 const std::vector<CheckText>& allChecks() {
   constexpr Severity kNote = Severity::kNote;
   constexpr Severity kProblem = Severity::kProblem;
-  static const std::vector<CheckText> checks{
+  static const std::vector<CheckText> kChecks{
     // The recording as a whole.
     {Check::kNotABag, "not-a-bag", kProblem, "nothing can be read", "give a .bag file of ROS 1, or a sequence folder"},
     {Check::kNeedsReindex, "needs-reindex", kProblem, "nothing can be read", "rosbag reindex FILE"},
@@ -39,7 +39,7 @@ const std::vector<CheckText>& allChecks() {
     {Check::kNeverSharp, "never-sharp", kProblem, "fine detail is lost everywhere: points are less accurate", "focus the lens and clean it; if all of it is motion, shorter exposures"},
     {Check::kMuchBlur, "much-blur", kNote, "more time per image and less accuracy", "nothing needs to be done; more light allows shorter exposures"},
     {Check::kGamma, "gamma", kNote, "blur is modelled wrongly at strong edges", "switch gamma off in the camera, or tell image.gamma or image.response_file"},
-    {Check::kRollingShutter, "rolling-shutter", kNote, "the first map of a live run is bent until the row time is found", "--row-time, or image.row_time"},
+    {Check::kRollingShutter, "rolling-shutter", kNote, "the first map of a live run is bent until the row time is found", "--row-time, or image.row_time: read-out time over rows; mba_vo_calibrate learns it"},
     // Stamps.
     {Check::kStampsZero, "stamps-zero", kProblem, "these images are rejected", "let the driver fill header.stamp"},
     {Check::kStampsRepeated, "stamps-repeated", kProblem, "the later image is rejected", "let the driver stamp each image"},
@@ -58,7 +58,7 @@ const std::vector<CheckText>& allChecks() {
     {Check::kExposureZero, "exposure-zero", kProblem, "0 is instantaneous: every image is taken for sharp", "NaN where it is not known; --exposure auto or seconds"},
     {Check::kExposureUnmatched, "exposure-unmatched", kProblem, "these images have no exposure", "publish exposures with the stamps of their images"},
   };
-  return checks;
+  return kChecks;
 }
 // clang-format on
 

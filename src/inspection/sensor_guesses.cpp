@@ -70,9 +70,9 @@ std::vector<Finding> guessSensor(const CameraFacts& facts) {
   std::vector<Finding> findings;
   const std::optional<RowTime> row_time = guessRowTime(facts.images);
   if (row_time && std::abs(row_time->seconds) > std::max(kShortestRow, kSure * row_time->sigma)) {
-    findings.push_back({Check::kRollingShutter, "a guess: rows seem to be exposed one after the other, " +
-                                                    duration(row_time->seconds) + " (+- " + duration(row_time->sigma) +
-                                                    ") apart"});
+    findings.push_back({Check::kRollingShutter,
+                        "a guess: where the motion changes, lower rows see it sooner or later (" +
+                            number(std::abs(row_time->seconds) / row_time->sigma, 2) + " standard deviations)"});
   }
   if (facts.jpeg) {
     findings.push_back(

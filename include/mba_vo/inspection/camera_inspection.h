@@ -26,7 +26,7 @@ struct SeenImage {
 /// Looks at the images of one camera, one after the other, and keeps what `judge` needs to know of them.
 class CameraInspection {
  public:
-  void add(const SeenImage& image);
+  void add(const SeenImage& seen);
   void addExposure(std::int64_t stamp_ns, double seconds) { facts_.exposures.push_back({stamp_ns, seconds}); }
   void setCalibration(const CameraCalibration& calibration) { facts_.calibration = calibration; }
   void setJpeg() { facts_.jpeg = true; }
