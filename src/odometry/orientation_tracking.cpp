@@ -15,6 +15,7 @@ constexpr int kPoints = 1000;  // of a reference
 // Aligned per frame. Time goes with their number (on desk 132, 80, 46 and 31 ms for 1000, 300, 150 and 80, on a busy
 // machine); on one core the initialiser needs that time.
 constexpr int kPatches = 120;
+constexpr double kOrigin = 1e-10;        // [rad^2] of the first: exact, but filters invert covariances
 constexpr double kLargestFlow = 0.15;    // of the image's width, after which another reference is taken
 constexpr double kLeastVisible = 0.7;    // the same, share of the points
 constexpr double kLeastInliers = 0.8;    // the same: parallax has made it differ
@@ -37,7 +38,7 @@ void OrientationTracking::reset() {
   T_first_reference_ = SE3();
   motion_ = MotionState();
   brightness_ = AffineBrightness();
-  covariance_.setZero();
+  covariance_ = kOrigin * Eigen::Matrix3d::Identity();
 }
 
 ExposureTrajectory OrientationTracking::last() const {

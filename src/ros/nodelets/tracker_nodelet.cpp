@@ -86,6 +86,7 @@ class TrackerNodelet final : public nodelet::Nodelet {
     info_subscriber_.shutdown();
     exposure_subscriber_.shutdown();
     reference_subscriber_.shutdown();
+    diagnostics_.reset();
     worker_.reset();
     status_.reset();
   }
