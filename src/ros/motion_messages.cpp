@@ -1,6 +1,5 @@
 #include "mba_vo/ros/motion_messages.h"
 
-#include <limits>
 
 #include <Eigen/Cholesky>
 
@@ -82,9 +81,9 @@ ExposureMotion makeExposureMotion(const MeasuredMotion& motion, const FrameNames
   message.header.frame_id = frames.odom_frame;
   message.child_frame_id = motion.camera_frame;
   message.mid_time = toRosTime(tracked.frame->mid_exposure_ns);
+  // The first orientation before a map is no motion within an exposure yet.
   const double exposure = tracked.trajectory.exposure;
-  message.exposure_time =
-      tracked.frame->exposure || exposure > 0.0 ? exposure : std::numeric_limits<double>::quiet_NaN();
+  message.exposure_time = exposure > 0.0 ? exposure : exposureToMessage(tracked.frame->exposure);
   message.start = toPoseMsg(T_odom_reference * tracked.trajectory.start());
   message.end = toPoseMsg(T_odom_reference * tracked.trajectory.end());
   message.blur_length = tracked.measures.blur_length_px;
