@@ -1,6 +1,5 @@
 #include "mba_vo/ros/motion_messages.h"
 
-
 #include <Eigen/Cholesky>
 
 #include "mba_vo/ros/conversions.h"
