@@ -262,9 +262,8 @@ TEST_F(PlayBag, WhileLostTransformsGoOnForAsLongAsTheyMay) {
   const Outputs outputs = odometry_->outputs();
   EXPECT_EQ(outputs.exposure_motion.size(), motions);
   std::vector<std::pair<std::string, std::int64_t>> expected;
-  for (int i = 0; i < 3; ++i) {
-    for (const char* child : {"odom", "base_link"})
-      expected.emplace_back(child, stamps.at(static_cast<std::size_t>(i)));
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (const char* child : {"odom", "base_link"}) expected.emplace_back(child, stamps.at(i));
   }
   std::vector<std::pair<std::string, std::int64_t>> sent;
   for (std::size_t i = before; i < outputs.transforms.size(); ++i) {
