@@ -60,7 +60,7 @@ std::optional<KeyframeReport> Mapper::Impl::begin(std::unique_ptr<InitialMap> in
   integrate(referenceItself(*reference_, frame, start), true);
   recovery_.keep(*reference_, *frame, *map_);
   deblur(frame);
-  const std::optional<KeyframeReport> second = goAlong(*initial);
+  std::optional<KeyframeReport> second = goAlong(*initial);
   last_ = newestOf(*initial, start);
   const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kMapBegins, map_->newestKeyframe());
   last_.trajectory.T_reference_mid = reference->T_map_reference.inverse() * store_.T_map_keyframe(map_->id(), first) *
