@@ -58,7 +58,8 @@ class VideoFile : public Recording {
 
  private:
   void open() {
-    if (!video_.open(file_)) throw CameraError(file_ + ": not a video that OpenCV can read (FFmpeg, GStreamer)");
+    // Other back ends print on the console what they cannot read.
+    if (!video_.open(file_, cv::CAP_FFMPEG)) throw CameraError(file_ + ": not a video that FFmpeg can read");
   }
 
   std::string file_;

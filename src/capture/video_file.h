@@ -7,7 +7,7 @@
 
 namespace mba_vo {
 
-/// A video that OpenCV can read. `rate` [Hz]: 0 = its own times. Throws CameraError.
+/// A video that FFmpeg can read. `rate` [Hz]: 0 = its own times. Throws CameraError.
 std::unique_ptr<Recording> openVideoFile(const std::string& file, double rate);
 
 }  // namespace mba_vo
