@@ -5,6 +5,9 @@ set(MBA_VO_WARNINGS -Wall -Wextra -Wshadow -Wconversion -Werror)
 
 function(mba_vo_options target)
   target_compile_options(${target} PRIVATE ${MBA_VO_WARNINGS})
+  if(CMAKE_UNITY_BUILD)  # a room as one translation unit, whose files may use one name for a local and for a constant
+    target_compile_options(${target} PRIVATE -Wno-shadow)
+  endif()
   get_target_property(type ${target} TYPE)
   if(NOT MBA_VO_PRECOMPILE OR target MATCHES "^mba_vo_precompiled")
   elseif(type STREQUAL EXECUTABLE)
@@ -49,6 +52,7 @@ function(mba_vo_test target)
     set(ARG_TIMEOUT 1200)
   endif()
   add_executable(${target} ${ARG_SOURCES})
+  set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)  # tests use short names
   mba_vo_options(${target})
   # GCC 12 warns falsely about inlined Eigen vectors of one element.
   target_compile_options(${target} PRIVATE -Wno-array-bounds)

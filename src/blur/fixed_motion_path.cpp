@@ -3,7 +3,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kMinDepthRatio = 1e-3;  // as in PatchPathMaker
+constexpr double kMinFixedDepthRatio = 1e-3;  // as in PatchPathMaker
 
 bool isRolling(const PinholeCamera& camera, const BodyMotion& motion) {
   return camera.row_time != 0.0 && !motion.velocity.isZero(0.0);
@@ -54,11 +54,11 @@ bool FixedMotionPathMaker::hit(const RigidMotion& moment, const Eigen::Vector3d&
   const Eigen::Matrix3d& R = moment.R;
   const Eigen::Vector3d& p = moment.p;
   const Eigen::Vector3d g = R.lazyProduct(ray);
-  if (g.z() < kMinDepthRatio) return false;
+  if (g.z() < kMinFixedDepthRatio) return false;
   const double inverse_gz = 1.0 / g.z();
   const double remaining = 1.0 - inverse_depth * p.z();  // share of the plane's depth in front of the camera
   const double scale = remaining * inverse_gz;
-  if (scale < kMinDepthRatio) return false;
+  if (scale < kMinFixedDepthRatio) return false;
   const double a = g.x() * inverse_gz;
   const double b = g.y() * inverse_gz;
   const double fx = reference_camera_.fx;

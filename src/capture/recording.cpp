@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUsualRate = 30.0;  // of images that have no times [Hz]
+constexpr double kUntimedRate = 30.0;  // of images that have no times [Hz]
 
 /// Names with numbers in the order of the numbers: image_9 before image_10. Other names follow the alphabet.
 bool comesBefore(const std::string& a, const std::string& b) {
@@ -34,7 +34,7 @@ bool comesBefore(const std::string& a, const std::string& b) {
 
 class ImageFolder : public Recording {
  public:
-  ImageFolder(const fs::path& folder, double rate) : folder_(folder), rate_(rate > 0.0 ? rate : kUsualRate) {
+  ImageFolder(const fs::path& folder, double rate) : folder_(folder), rate_(rate > 0.0 ? rate : kUntimedRate) {
     std::vector<std::pair<std::string, fs::path>> images;
     for (const auto& image : imagesByName(folder)) images.push_back(image);
     std::sort(images.begin(), images.end(), [](const auto& a, const auto& b) { return comesBefore(a.first, b.first); });

@@ -9,9 +9,9 @@
 namespace mba_vo {
 namespace {
 
-constexpr std::int64_t kLate = 500'000'000;          // what is worth telling [ns]
-constexpr std::int64_t kTellPeriod = 5'000'000'000;  // [ns]
-constexpr std::int64_t kUsualInterval = 33'000'000;  // where there is but one image [ns]
+constexpr std::int64_t kLate = 500'000'000;              // what is worth telling [ns]
+constexpr std::int64_t kTellLatePeriod = 5'000'000'000;  // [ns]
+constexpr std::int64_t kUsualInterval = 33'000'000;      // where there is but one image [ns]
 
 cv::Mat greyOf(const cv::Mat& image) {
   if (image.channels() == 1) return image;
@@ -75,7 +75,7 @@ CameraEvent RecordingPlayer::handOver(std::int64_t lateness_ns) {
   any_ = true;
   ++number_;
   const std::int64_t now = clock_->monotonicNow();
-  if (lateness_ns > kLate && (!told_late_ || now - *told_late_ > kTellPeriod)) {
+  if (lateness_ns > kLate && (!told_late_ || now - *told_late_ > kTellLatePeriod)) {
     told_late_ = now;
     std::ostringstream text;
     text << "playing is " << 1e-9 * static_cast<double>(lateness_ns)

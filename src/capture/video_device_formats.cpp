@@ -8,7 +8,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kUsualWidth = 640, kUsualHeight = 480;  // where rates are asked for if there are many sizes [px]
+constexpr int kAskedWidth = 640, kAskedHeight = 480;  // where rates are asked for if there are many sizes [px]
 constexpr int kAnySize = 1 << 14;                     // bound of the sizes of drivers that tell none [px]
 
 double rateOf(const v4l2_fract& interval) {
@@ -43,8 +43,8 @@ void VideoDevice::addSizes(std::uint32_t fourcc, std::vector<OfferedFormat>& for
   for (; ioctl(VIDIOC_ENUM_FRAMESIZES, &query) >= 0; ++query.index) {
     const bool single = query.type == V4L2_FRMSIZE_TYPE_DISCRETE;
     const SizeRange size = single ? singleSize(query.discrete) : sizesInSteps(query.stepwise);
-    const int width = std::clamp(kUsualWidth, size.min_width, size.max_width);
-    const int height = std::clamp(kUsualHeight, size.min_height, size.max_height);
+    const int width = std::clamp(kAskedWidth, size.min_width, size.max_width);
+    const int height = std::clamp(kAskedHeight, size.min_height, size.max_height);
     formats.push_back({fourcc, size, rates(fourcc, width, height)});
     if (!single) return;  // there is but one range
   }

@@ -7,7 +7,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kIterations = 6;   // of Newton's method; one without motion between the images, two or three with
+constexpr int kInversions = 6;   // of Newton's method; one without motion between the images, two or three with
 constexpr float kClose = 2e-3F;  // [px]
 constexpr float kLeastShortening = 0.1F;  // of a path by a rolling shutter
 constexpr double kUnitTime = 1e-3;        // exposure along which the sharp image's own motion is measured [s]
@@ -26,7 +26,7 @@ LatentPathMaker::LatentPathMaker(const BlurGeometry& geometry)
 bool LatentPathMaker::make(const Eigen::Vector2d& latent_pixel, double inverse_depth, LatentPath& result) const {
   Eigen::Vector2f pixel = latent_pixel.cast<float>();
   PatchPath& path = result.path;
-  for (int i = 0; i < kIterations; ++i) {
+  for (int i = 0; i < kInversions; ++i) {
     if (!maker_.makeWithoutPose(pixel.cast<double>(), inverse_depth, path, latent_pixel.y())) return false;
     const Eigen::Vector2f missing = latent_pixel.cast<float>() - path.c0;
     if (missing.squaredNorm() < kClose * kClose) break;

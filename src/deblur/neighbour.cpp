@@ -11,7 +11,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kCell = 8;               // of the pixels whose places are computed, the others follow between them [px]
+constexpr int kVisibilityCell = 8;     // of the pixels whose places are computed, the others follow between them [px]
 constexpr double kNearest = 1e-6;      // [m]
 constexpr double kMostParallax = 1.0;  // by which depths may differ [px]
 constexpr float kNowhere = -1e4F;      // [px]
@@ -26,7 +26,8 @@ class Places {
         camera_(neighbour.geometry.latent_camera),
         keyframe_depth_(keyframe_depth),
         neighbour_depth_(neighbour_depth),
-        shift_((camera_.height + kCell - 1) / kCell, (camera_.width + kCell - 1) / kCell),
+        shift_((camera_.height + kVisibilityCell - 1) / kVisibilityCell,
+               (camera_.width + kVisibilityCell - 1) / kVisibilityCell),
         hidden_(shift_.size(), static_cast<uchar>(0)) {
     for (int r = 0; r < shift_.rows; ++r) {
       for (int c = 0; c < shift_.cols; ++c) place(r, c);
@@ -37,7 +38,7 @@ class Places {
   /// change less than its own error.
   cv::Mat2f map(const cv::Mat2f& correction) const {
     cv::Mat2f map;
-    cv::resize(shift_, map, shift_.size() * kCell, 0.0, 0.0, cv::INTER_LINEAR);
+    cv::resize(shift_, map, shift_.size() * kVisibilityCell, 0.0, 0.0, cv::INTER_LINEAR);
     map = map(cv::Rect(0, 0, camera_.width, camera_.height)).clone();
     if (!correction.empty()) {
       cv::Mat2f smooth;
@@ -58,14 +59,16 @@ class Places {
     const cv::Rect all({0, 0}, image.size());
     for (int r = 0; r < hidden_.rows; ++r) {
       for (int c = 0; c < hidden_.cols; ++c) {
-        if (hidden_(r, c) != 0) image(cv::Rect(kCell * c, kCell * r, kCell, kCell) & all).setTo(kNoValue);
+        if (hidden_(r, c) != 0)
+          image(cv::Rect(kVisibilityCell * c, kVisibilityCell * r, kVisibilityCell, kVisibilityCell) & all)
+              .setTo(kNoValue);
       }
     }
   }
 
  private:
   void place(int r, int c) {
-    const Eigen::Vector2d pixel = kCell * Eigen::Vector2d(c, r).array() + 0.5 * (kCell - 1);
+    const Eigen::Vector2d pixel = kVisibilityCell * Eigen::Vector2d(c, r).array() + 0.5 * (kVisibilityCell - 1);
     const double depth = static_cast<double>(at(keyframe_depth_, pixel.cast<float>()));
     LatentPath seen;
     if (!maker_.make(pixel, depth, seen)) {

@@ -2,13 +2,14 @@
 
 #include <cmath>
 
+#include "mba_vo/geometry/angles.h"
+
 namespace mba_vo {
 namespace {
 
 constexpr int kFrequencies = 16;   // from 0 to 1/2 per pixel
 constexpr double kGradient = 8.0;  // rms of a sharp image's gradient [grey levels / px]
-constexpr double kPi = 3.14159265358979323846;
-constexpr int kColumns = 5;  // of places that are looked at
+constexpr int kColumns = 5;        // of places that are looked at
 constexpr int kRows = 3;
 
 double squaredSinc(double x) {

@@ -3,17 +3,12 @@
 #include <algorithm>
 #include <vector>
 
+#include "mba_vo/geometry/median.h"
+
 namespace mba_vo {
 namespace {
 
 constexpr int kGridStep = 32;  // between the paths that are looked at [px]
-
-float median(std::vector<float>& values) {
-  if (values.empty()) return 0.0F;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::vector<Eigen::Vector2i> gridOf(const PinholeCamera& camera) {
   std::vector<Eigen::Vector2i> grid;

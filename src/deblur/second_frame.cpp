@@ -9,6 +9,7 @@
 #include "mba_vo/deblur/alignment.h"
 #include "mba_vo/deblur/commuted_images.h"
 #include "mba_vo/deblur/neighbour_choice.h"
+#include "mba_vo/geometry/median.h"
 #include "mba_vo/image/image_noise.h"
 
 namespace mba_vo {
@@ -20,12 +21,6 @@ constexpr int kCorrections = 2;            // each from the shifts that the one 
 constexpr double kLeastTrust = 0.2;        // share of its information below which it is not worth the time
 constexpr double kLeastOverlap = 0.3;      // of the keyframe's pixels
 constexpr float kNoLimit = std::numeric_limits<float>::infinity();
-
-float median(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 BlurGeometry ownGeometry(const DeblurInput& input) {
   const PinholeCamera& camera = input.image->level(0).camera;

@@ -11,7 +11,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kFarthest = std::numeric_limits<double>::infinity();
 constexpr double kBorder = 6.0;     // of the frame, for the patch and the refinement [px]
 constexpr float kMaxOffset = 4.5F;  // of a patch pixel; larger means that the scale changed too much [px]
 constexpr float kNoEnergy = std::numeric_limits<float>::infinity();
@@ -146,7 +146,7 @@ bool DepthSearcher::chooseRange(const EpipolarLine& line, ImmaturePoint& point, 
   }
   range.begin = line.distanceOf(point.inverse_depth_min);
   range.bounded = point.hasDepth();
-  range.end = range.bounded ? line.distanceOf(point.inverse_depth_max) : kInfinity;
+  range.end = range.bounded ? line.distanceOf(point.inverse_depth_max) : kFarthest;
   if (range.bounded && std::isfinite(range.end)) {
     point.last_search_length_px = range.end - range.begin;
     if (point.last_search_length_px < config_.min_search_px) {
@@ -213,7 +213,7 @@ DepthSearcher::Scan DepthSearcher::scan(const ImmaturePoint& point, const Line& 
   Scan result;
   const auto energyOf = [&](int i) { return static_cast<double>(energies[static_cast<std::size_t>(i)]); };
   result.best = {range.begin + best * step, energyOf(best), 0.0};
-  result.second.energy = kInfinity;
+  result.second.energy = kFarthest;
   // The flanks of the best place are no places of their own.
   int low = best;
   while (low > 0 && (best - low < kNeighbourhood || energyOf(low - 1) >= energyOf(low))) --low;
@@ -244,7 +244,7 @@ bool DepthSearcher::refine(const ImmaturePoint& point, const Line& line, const R
     const double moved = match.s + move;
     if (moved > range.end + kMaxRefinement && !range.bounded) return false;
     if (moved < range.begin - kMaxRefinement || moved > range.end + kMaxRefinement) {
-      match.energy = kInfinity;  // what fits better contradicts the interval
+      match.energy = kFarthest;  // what fits better contradicts the interval
       break;
     }
     const double energy = energyAt(moved);

@@ -5,7 +5,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kMinDepthRatio = 1e-3;  // as a fraction of the depth in the host
+constexpr double kMinPatchDepthRatio = 1e-3;  // as a fraction of the depth in the host
 constexpr int kMaxBlurSamples = 64;
 
 }  // namespace
@@ -30,9 +30,9 @@ std::optional<SearchPatchMaker::Hit> SearchPatchMaker::hit(const Moment& moment,
                                                            double inverse_depth) {
   // P = p + s g lies on the plane z = 1 / inverse_depth; K P = q + s G x and K leaves z as it is.
   const Eigen::Vector3d g = moment.G * frame_pixel.homogeneous();
-  if (g.z() < kMinDepthRatio) return std::nullopt;
+  if (g.z() < kMinPatchDepthRatio) return std::nullopt;
   const double s = (1.0 - inverse_depth * moment.q.z()) / g.z();  // times inverse_depth: finite for points at infinity
-  if (s < kMinDepthRatio) return std::nullopt;
+  if (s < kMinPatchDepthRatio) return std::nullopt;
   Hit result;
   result.pixel = inverse_depth * moment.q.head<2>() + s * g.head<2>();
   result.A = s * (moment.G.topLeftCorner<2, 2>() - g.head<2>() / g.z() * moment.G.bottomLeftCorner<1, 2>());

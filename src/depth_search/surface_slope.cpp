@@ -8,24 +8,26 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kRadius = 40.0;  // [px]
+constexpr double kNeighbourRadius = 40.0;  // [px]
 constexpr std::size_t kMaxNeighbours = 14;
 constexpr std::size_t kUsualCandidates = 128;  // to choose them from
 constexpr std::size_t kMinNeighbours = 4;
 constexpr double kMinAgreeing = 0.5;  // share of the neighbours that must lie on the surface
 constexpr int kIterations = 5;
 // Relative to the inverse depth:
-constexpr double kEdge = 0.07;         // a neighbour further off the surface is on another one
-constexpr double kNoise = 0.01;        // of one neighbour
-constexpr double kSlopeSigma = 0.003;  // prior, around fronto-parallel [1/px]
+constexpr double kOtherSurface = 0.07;  // a neighbour further off the surface is on another one
+constexpr double kNoise = 0.01;         // of one neighbour
+constexpr double kSlopeSigma = 0.003;   // prior, around fronto-parallel [1/px]
 constexpr double kMinOwnSigma = 0.002;
 constexpr double kMaxOwnSigma = 0.05;
 
-int cellOf(double coordinate, int cells) { return std::clamp(static_cast<int>(coordinate / kRadius), 0, cells - 1); }
+int cellOf(double coordinate, int cells) {
+  return std::clamp(static_cast<int>(coordinate / kNeighbourRadius), 0, cells - 1);
+}
 
 /// A heavy tail at first, so that no neighbour is lost to a bad start; then none beyond an edge.
 double weight(double residual, bool first) {
-  const double t = residual / kEdge;
+  const double t = residual / kOtherSurface;
   if (first) return 1.0 / (1.0 + t * t);
   const double tukey = std::max(0.0, 1.0 - t * t);
   return tukey * tukey;
@@ -34,8 +36,8 @@ double weight(double residual, bool first) {
 }  // namespace
 
 SurfaceSlopes::SurfaceSlopes(const PinholeCamera& camera, const std::vector<ReferencePoint>& points)
-    : columns_(static_cast<int>(std::ceil(camera.width / kRadius))),
-      rows_(static_cast<int>(std::ceil(camera.height / kRadius))),
+    : columns_(static_cast<int>(std::ceil(camera.width / kNeighbourRadius))),
+      rows_(static_cast<int>(std::ceil(camera.height / kNeighbourRadius))),
       cells_(static_cast<std::size_t>(columns_ * rows_)) {
   for (const ReferencePoint& point : points) {
     const Eigen::Vector2d pixel = point.pixel.cast<double>();
@@ -56,7 +58,7 @@ std::vector<SurfaceSlopes::Neighbour> SurfaceSlopes::neighbours(const Eigen::Vec
         const Eigen::Vector2d offset = point.pixel - pixel;
         const double squared_distance = offset.squaredNorm();
         // Nearer than a pixel it is the point itself.
-        if (squared_distance < 1.0 || squared_distance > kRadius * kRadius) continue;
+        if (squared_distance < 1.0 || squared_distance > kNeighbourRadius * kNeighbourRadius) continue;
         found.push_back({squared_distance, offset, point.inverse_depth / inverse_depth - 1.0});
       }
     }
@@ -90,8 +92,8 @@ Eigen::Vector2d SurfaceSlopes::at(const Eigen::Vector2d& pixel, double inverse_d
     }
     surface = H.inverse() * b;  // positive definite and 3x3: the fastest way
   }
-  const auto agreeing =
-      std::count_if(near.begin(), near.end(), [&](const Neighbour& n) { return std::abs(residualOf(n)) < kEdge; });
+  const auto agreeing = std::count_if(near.begin(), near.end(),
+                                      [&](const Neighbour& n) { return std::abs(residualOf(n)) < kOtherSurface; });
   if (static_cast<double>(agreeing) < kMinAgreeing * static_cast<double>(near.size())) return Eigen::Vector2d::Zero();
   return inverse_depth * surface.head<2>();
 }

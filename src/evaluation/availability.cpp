@@ -47,7 +47,6 @@ Latency poseLatency(const std::vector<OnlineFrame>& frames) {
       latencies.push_back(frame.latency());
     }
   }
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   if (latencies.empty()) {
     return {kNone, kNone, kNone};
   }

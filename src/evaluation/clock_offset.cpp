@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "mba_vo/geometry/median.h"
+
 namespace mba_vo {
 namespace {
 
@@ -43,9 +45,7 @@ std::vector<double> angularSpeeds(const std::vector<PoseRecord>& poses, double b
 double medianInterval(const std::vector<PoseRecord>& poses) {
   std::vector<double> intervals;
   for (std::size_t i = 1; i < poses.size(); ++i) intervals.push_back(poses[i].time - poses[i - 1].time);
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  return *middle;
+  return median(std::move(intervals));
 }
 
 /// Pearson's coefficient of a[i] and b[i + shift], where both are known; NaN for fewer than `least` pairs, or speeds

@@ -8,12 +8,10 @@
 
 #include "mba_vo/evaluation/association.h"
 #include "mba_vo/evaluation/true_motion.h"
+#include "mba_vo/geometry/angles.h"
 
 namespace mba_vo {
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
 
 /// Motion of the camera since the first pose, in the axes it had then.
 struct Motion {

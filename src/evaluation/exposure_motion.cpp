@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mba_vo/geometry/angles.h"
 #include "mba_vo/geometry/pinhole_camera.h"
 
 namespace mba_vo {
@@ -11,7 +12,6 @@ namespace {
 constexpr int kColumns = 16;
 constexpr int kRows = 10;
 constexpr double kDepth = 2.0;  // [m]
-constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
 const PinholeCamera kCamera{752, 480, 430.0, 430.0, 375.5, 239.5};
 
 using FlowField = Eigen::Matrix<double, 2, kColumns * kRows>;  // [px]

@@ -13,10 +13,10 @@ namespace {
 constexpr double kPeak = 255.0;  // [grey levels]
 
 cv::Mat1f smooth(const cv::Mat1f& image) {
-  constexpr int kWindow = 11;     // [px]
-  constexpr double kSigma = 1.5;  // [px]
+  constexpr int kSsimWindow = 11;  // [px]
+  constexpr double kSigma = 1.5;   // [px]
   cv::Mat1f result;
-  cv::GaussianBlur(image, result, {kWindow, kWindow}, kSigma, kSigma, cv::BORDER_REFLECT);
+  cv::GaussianBlur(image, result, {kSsimWindow, kSsimWindow}, kSigma, kSigma, cv::BORDER_REFLECT);
   return result;
 }
 

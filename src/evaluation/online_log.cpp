@@ -11,7 +11,7 @@ constexpr std::array<OnlineStatus, 8> kStatuses{
     OnlineStatus::kTracking, OnlineStatus::kDegraded, OnlineStatus::kOrientation, OnlineStatus::kInitializing,
     OnlineStatus::kLost,     OnlineStatus::kRepeated, OnlineStatus::kRejected,    OnlineStatus::kShed};
 
-[[noreturn]] void fail(const std::string& where, const std::string& what) {
+[[noreturn]] void failLog(const std::string& where, const std::string& what) {
   throw std::runtime_error(where + ": " + what);
 }
 
@@ -21,7 +21,7 @@ std::optional<double> parseOptional(const std::string& name, const std::string& 
   }
   const std::optional<double> value = finiteNumber(text);
   if (!value) {
-    fail(where, name + " '" + text + "' is not a finite number");
+    failLog(where, name + " '" + text + "' is not a finite number");
   }
   return value;
 }
@@ -34,7 +34,7 @@ OnlineStatus parseStatus(const std::string& text, const std::string& where) {
     }
     allowed += std::string(allowed.empty() ? "" : ", ") + toString(status);
   }
-  fail(where, "online_status '" + text + "' is none of " + allowed);
+  failLog(where, "online_status '" + text + "' is none of " + allowed);
 }
 
 /// The upper triangle, row by row.
@@ -44,7 +44,7 @@ std::optional<Matrix6> parseCovariance(const std::string& text, const std::strin
   for (std::string word; words >> word;) {
     const std::optional<double> number = finiteNumber(word);
     if (!number) {
-      fail(where, "covariance has '" + word + "', which is not a finite number");
+      failLog(where, "covariance has '" + word + "', which is not a finite number");
     }
     numbers.push_back(*number);
   }
@@ -53,7 +53,7 @@ std::optional<Matrix6> parseCovariance(const std::string& text, const std::strin
   }
   constexpr std::size_t kUpperTriangle = 21;
   if (numbers.size() != kUpperTriangle) {
-    fail(where, "covariance has " + std::to_string(numbers.size()) + " numbers, must have 21 or none");
+    failLog(where, "covariance has " + std::to_string(numbers.size()) + " numbers, must have 21 or none");
   }
   Matrix6 covariance;
   std::size_t next = 0;
@@ -66,15 +66,15 @@ std::optional<Matrix6> parseCovariance(const std::string& text, const std::strin
 }
 
 void checkTimes(const OnlineFrame& frame, const std::string& where) {
-  constexpr double kRounding = 1e-6;  // of the stamps as written [s]
+  constexpr double kStampRounding = 1e-6;  // of the stamps as written [s]
   if (frame.published && !frame.arrival) {
-    fail(where, "published, but without arrival");
+    failLog(where, "published, but without arrival");
   }
-  if (frame.published && frame.latency() < -kRounding) {
-    fail(where, "published " + std::to_string(-frame.latency()) + " s before its arrival");
+  if (frame.published && frame.latency() < -kStampRounding) {
+    failLog(where, "published " + std::to_string(-frame.latency()) + " s before its arrival");
   }
   if (!frame.published && frame.covariance) {
-    fail(where, "a covariance, but never published");
+    failLog(where, "a covariance, but never published");
   }
 }
 
@@ -120,7 +120,7 @@ std::vector<OnlineFrame> onlineLog(const CsvTable& table) {
     const std::string where = table.where(row);
     const std::optional<double> mid_exposure = parseOptional("time", fields[time], where);
     if (!mid_exposure) {
-      fail(where, "no time");
+      failLog(where, "no time");
     }
     frames.push_back({*mid_exposure, parseOptional("arrival", fields[arrival], where),
                       parseOptional("published", fields[published], where), parseStatus(fields[status], where),
@@ -128,7 +128,7 @@ std::vector<OnlineFrame> onlineLog(const CsvTable& table) {
     checkTimes(frames.back(), where);
   }
   if (frames.empty()) {
-    fail(table.file, "lists no image");
+    failLog(table.file, "lists no image");
   }
   return frames;
 }

@@ -4,12 +4,10 @@
 #include <cmath>
 #include <cstddef>
 
+#include "mba_vo/geometry/angles.h"
+
 namespace mba_vo {
-namespace {
-
-constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
-
-}  // namespace
+namespace {}  // namespace
 
 double rotationDistance(const SE3& a, const SE3& b) {
   return kDegreesPerRadian * a.rotation().angularDistance(b.rotation());

@@ -7,10 +7,10 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kNameWidth = 22;
+constexpr int kRunNameWidth = 22;
 
 void writeDrops(std::ostream& out, const std::string& name, std::size_t dropped, std::size_t frames) {
-  out << "  " << std::left << std::setw(kNameWidth) << name << dropped << " of " << frames << " ("
+  out << "  " << std::left << std::setw(kRunNameWidth) << name << dropped << " of " << frames << " ("
       << fixedText(percent(dropped, frames), 1) << " %)\n";
 }
 
@@ -63,7 +63,7 @@ void writeTable(const EvaluationReport& report, std::ostream& out) {
     out << "  " << report.clock_hint << "\n";
   }
   for (const auto& [status, count] : report.frames_by_status) {
-    out << "  " << std::left << std::setw(kNameWidth) << status << count << "\n";
+    out << "  " << std::left << std::setw(kRunNameWidth) << status << count << "\n";
   }
 }
 

@@ -8,8 +8,6 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
 void writeHeading(const std::string& title, int restarts, std::ostream& out) {
   out << title;
   if (restarts > 0) {
@@ -20,8 +18,8 @@ void writeHeading(const std::string& title, int restarts, std::ostream& out) {
 }
 
 std::ostream& writeName(std::ostream& out, const std::string& name) {
-  constexpr int kNameWidth = 42;
-  return out << "  " << std::left << std::setw(kNameWidth) << name;
+  constexpr int kTableNameWidth = 42;
+  return out << "  " << std::left << std::setw(kTableNameWidth) << name;
 }
 
 void writeShare(const std::string& name, const Share& share, std::ostream& out) {

@@ -8,8 +8,6 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
 const char* toString(SceneDepth::Source source) {
   switch (source) {
     case SceneDepth::Source::kGiven:
@@ -48,7 +46,7 @@ void writeTrajectory(const std::string& name, const TrajectoryFigures& figures, 
   out << indent << "unmatched_estimates: " << report.unmatched_estimates << "\n";
 }
 
-void writeShare(const std::string& name, const Share& share, std::ostream& out) {
+void yamlShare(const std::string& name, const Share& share, std::ostream& out) {
   const double in_percent = share.of == 0 ? kNone : percent(share.count, share.of);
   out << "    " << name << ": {count: " << share.count << ", of: " << share.of
       << ", percent: " << yamlNumber(in_percent) << "}\n";
@@ -58,21 +56,21 @@ void writeOptional(const std::string& name, const std::optional<double>& value, 
   out << "    " << name << ": " << yamlNumber(value.value_or(kNone)) << "\n";
 }
 
-void writeAvailability(const RunReport& report, std::ostream& out) {
+void yamlAvailability(const RunReport& report, std::ostream& out) {
   const Availability& a = report.availability;
   out << "  availability:\n";
   writeOptional("frame_interval", a.frame_interval, out);
   writeOptional("depth", report.depth.metres, out);
   out << "    depth_source: " << toString(report.depth.source) << "\n";
   writeOptional("parallax_time", report.parallax_time, out);
-  writeShare("pose_in_time", a.pose_in_time, out);
-  writeShare("pose_in_time_moving", a.pose_in_time_moving, out);
-  writeShare("orientation_in_time", a.orientation_in_time, out);
-  writeShare("orientation_in_time_moving", a.orientation_in_time_moving, out);
+  yamlShare("pose_in_time", a.pose_in_time, out);
+  yamlShare("pose_in_time_moving", a.pose_in_time_moving, out);
+  yamlShare("orientation_in_time", a.orientation_in_time, out);
+  yamlShare("orientation_in_time_moving", a.orientation_in_time_moving, out);
   writeOptional("first_pose_after_start", a.first_pose_after_start, out);
   writeOptional("first_pose_after_parallax", a.first_pose_after_parallax, out);
   writeOptional("longest_gap", a.longest_gap, out);
-  writeShare("missed_after_first", a.missed_after_first, out);
+  yamlShare("missed_after_first", a.missed_after_first, out);
   constexpr double kMilliseconds = 1e3;
   out << "    latency_ms: {median: " << yamlNumber(kMilliseconds * a.latency.median)
       << ", percentile_95: " << yamlNumber(kMilliseconds * a.latency.percentile_95)
@@ -84,7 +82,7 @@ void writeAvailability(const RunReport& report, std::ostream& out) {
   }
 }
 
-void writeConsistency(const Consistency& consistency, std::ostream& out) {
+void yamlConsistency(const Consistency& consistency, std::ostream& out) {
   out << "  consistency:\n    map: " << consistency.map << "\n";
   out << "    first_map: " << (consistency.first_map ? "true" : "false") << "\n";
   out << "    scale: " << yamlNumber(consistency.scale) << "\n";
@@ -106,8 +104,8 @@ void writeRunYaml(const RunReport& report, std::ostream& out) {
   out << "  alignment: " << toString(report.mode) << "\n";
   writeTrajectory("map", report.trajectory, out);
   writeTrajectory("odometry", report.odometry, out);
-  writeAvailability(report, out);
-  writeConsistency(report.consistency, out);
+  yamlAvailability(report, out);
+  yamlConsistency(report.consistency, out);
   out << "smoothed:\n";
   out << "  restarts: " << report.restarts << "\n";
   writeYaml(report.smoothed.report.value_or(withoutFigures()), out, "  ");

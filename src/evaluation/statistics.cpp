@@ -16,7 +16,6 @@ double quantile(const std::vector<double>& sorted, double fraction) {
 
 Statistics summarize(std::vector<double> values) {
   if (values.empty()) {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     return {0, kNone, kNone, kNone, kNone, kNone};
   }
   std::sort(values.begin(), values.end());

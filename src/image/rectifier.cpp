@@ -37,12 +37,12 @@ double distortedRadius(const CameraCalibration& c, double radius) {
 /// Past the radius where a distortion polynomial turns back, it maps rays the camera cannot see into the image. Returns
 /// that radius, in focal lengths.
 double largestRadius(const CameraCalibration& c) {
-  constexpr double kStep = 1e-3;
+  constexpr double kBorderStep = 1e-3;
   constexpr double kEnd = 20.0;
   double previous = 0.0;
-  for (double radius = kStep; radius < kEnd; radius += kStep) {
+  for (double radius = kBorderStep; radius < kEnd; radius += kBorderStep) {
     const double next = distortedRadius(c, radius);
-    if (!(next > previous)) return radius - kStep;
+    if (!(next > previous)) return radius - kBorderStep;
     previous = next;
   }
   return kEnd;

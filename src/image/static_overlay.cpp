@@ -17,19 +17,19 @@ constexpr int kMemory = 50;   // samples that count: what is no overlay after al
 constexpr float kSteady = 0.7F;
 constexpr float kStillSteady = 0.35F;
 // [grey levels / 2 px] Less are lamps of one's own, vignettes, and the fixed pattern of the sensor.
-constexpr float kLeastGradient = 5.0F;
+constexpr float kLeastEdge = 5.0F;
 constexpr int kNeighbourhood = 5;         // [px] in which
 constexpr double kLeastNeighbours = 3.0;  // so many gradients have to be steady: a dead pixel makes four
 constexpr double kMostShare = 0.25;       // of the image: more is a scene that stands still, however that came about
 
-constexpr int kBlock = 16;   // [px]
-constexpr int kRowStep = 2;  // every second row tells enough
+constexpr int kBlock = 16;        // [px]
+constexpr int kBlockRowStep = 2;  // every second row tells enough
 // Of a block's energy, what neighbouring gradients have in common: noise has none, images 0.4 to 0.9.
 constexpr double kStructured = 0.4;
-constexpr int kLeastEnergy = 8 * kBlock * kBlock / kRowStep;  // [squared grey levels / 2 px]
+constexpr int kLeastEnergy = 8 * kBlock * kBlock / kBlockRowStep;  // [squared grey levels / 2 px]
 constexpr double kSame = 0.3;  // correlation of a block with itself before, below which it shows something else
 // Of the structured blocks. With still scenes, noise and JPEG it was up to 0.24, on sequences 0.8 to 0.98.
-constexpr double kMoved = 0.6;
+constexpr double kMovedShare = 0.6;
 constexpr double kLeastBlocks = 0.01;  // of all have to be structured
 
 cv::Mat1b greyOf(const cv::Mat& image, double white_level) {
@@ -48,7 +48,7 @@ struct BlockSums {
 
 BlockSums sumBlock(const cv::Mat1b& before, const cv::Mat1b& now, int left, int top) {
   BlockSums sums;
-  for (int y = top; y < top + kBlock; y += kRowStep) {
+  for (int y = top; y < top + kBlock; y += kBlockRowStep) {
     const std::uint8_t *b = before[y], *b_up = before[y - 1], *b_down = before[y + 1], *b_down2 = before[y + 2];
     const std::uint8_t *n = now[y], *n_up = now[y - 1], *n_down = now[y + 1];
     for (int x = left; x < left + kBlock; ++x) {
@@ -117,7 +117,7 @@ bool StaticOverlay::hasMoved(const cv::Mat1b& image) const {
       if (showsSomethingElse(sums)) ++moved;
     }
   }
-  return structured > kLeastBlocks * blocks && moved > kMoved * structured;
+  return structured > kLeastBlocks * blocks && moved > kMovedShare * structured;
 }
 
 void StaticOverlay::average(const cv::Mat1b& image) {
@@ -141,7 +141,7 @@ cv::Mat1b StaticOverlay::steadyPixels() const {
     for (int x = 0; x < steady.cols; ++x) {
       const float square = mean_x_(y, x) * mean_x_(y, x) + mean_y_(y, x) * mean_y_(y, x);
       const float least = steady_(y, x) != 0 ? kStillSteady : kSteady;
-      const bool is_steady = square > kLeastGradient * kLeastGradient && square > least * mean_square_(y, x);
+      const bool is_steady = square > kLeastEdge * kLeastEdge && square > least * mean_square_(y, x);
       steady(y, x) = is_steady ? 255 : 0;
     }
   }

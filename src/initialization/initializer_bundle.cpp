@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "mba_vo/geometry/median.h"
+
 namespace mba_vo {
 namespace {
 
@@ -236,15 +238,13 @@ std::vector<double> inverseDepthVariances(const Bundle& bundle) {
 }
 
 void normalizeScale(Bundle& bundle) {
-  std::vector<double> sorted;
+  std::vector<double> seen;
   for (std::size_t p = 0; p < bundle.inverse_depth.size(); ++p) {
     const auto sees = [p](const BundleView& view) { return view.observed[p] != 0; };
-    if (std::any_of(bundle.views.begin(), bundle.views.end(), sees)) sorted.push_back(bundle.inverse_depth[p]);
+    if (std::any_of(bundle.views.begin(), bundle.views.end(), sees)) seen.push_back(bundle.inverse_depth[p]);
   }
-  if (sorted.empty()) return;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double scale = *middle;
+  if (seen.empty()) return;
+  const double scale = median(std::move(seen));
   if (scale == 0.0) return;
   for (double& w : bundle.inverse_depth) w /= scale;
   for (BundleView& view : bundle.views) {

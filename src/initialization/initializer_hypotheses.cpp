@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "mba_vo/geometry/median.h"
+
 namespace mba_vo {
 namespace {
 
@@ -27,9 +29,7 @@ bool same(const Bundle& a, const Bundle& b) {
   for (std::size_t p = 0; p < a.inverse_depth.size(); ++p) {
     difference.push_back(std::abs(a.inverse_depth[p] - b.inverse_depth[p]));
   }
-  const auto middle = difference.begin() + static_cast<std::ptrdiff_t>(difference.size() / 2);
-  std::nth_element(difference.begin(), middle, difference.end());
-  return *middle < kSameDepths;
+  return median(std::move(difference)) < kSameDepths;
 }
 
 /// Two views refined from one relative pose.

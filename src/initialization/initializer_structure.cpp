@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "mba_vo/geometry/median.h"
 #include "mba_vo/initialization/initializer_hypotheses.h"
 #include "mba_vo/initialization/initializer_rows.h"
 #include "mba_vo/initialization/initializer_views.h"
@@ -25,13 +26,6 @@ constexpr double kMinExplained = 0.7;         // share of points of a held-out v
 // is 1.5 % and 4 px wrong looked like a readout of 2 to 5 ms, with ratios from 0.77 on.
 constexpr double kRollingShutter = 0.8;  // cost with a row time over that without
 constexpr double kLeastReadout = 6e-3;   // [s] of all rows
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::string format(const char* text, double a, double b) {
   char buffer[160];

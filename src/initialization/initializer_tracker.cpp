@@ -14,14 +14,14 @@ namespace {
 
 constexpr double kBlurSpacing = 1.5;  // [px] between samples along the blur
 constexpr int kMaxBlurSamples = 12;
-constexpr double kMaxRoundTrip = 0.5;  // [px] forward and back again
+constexpr double kMaxTrackRoundTrip = 0.5;  // [px] forward and back again
 constexpr int kMinHomographyTracks = 20;
-constexpr double kHomographyTolerance = 3.0;  // [px]; parallax is no outlier
-constexpr double kMargin = 4.0;               // [px]
-constexpr int kWindow = 17;                   // [px]
-constexpr int kAreasAcross = 8;               // wide enough to leave what is tracked, small enough for a vignette
-constexpr double kLeastShare = 0.1;           // of an area that both images see
-constexpr int kLevels = 2;                    // above level 0
+constexpr double kTrackTolerance = 3.0;  // [px]; parallax is no outlier
+constexpr double kMargin = 4.0;          // [px]
+constexpr int kWindow = 17;              // [px]
+constexpr int kAreasAcross = 8;          // wide enough to leave what is tracked, small enough for a vignette
+constexpr double kLeastShare = 0.1;      // of an area that both images see
+constexpr int kLevels = 2;               // above level 0
 
 /// Longest path of a pixel during the exposure [px].
 double blurLength(const PinholeCamera& camera, const Eigen::Vector3d& exposure_rotation) {
@@ -110,7 +110,7 @@ void refit(const std::vector<Eigen::Vector2d>& corners, FrameTracks& tracks) {
     to.emplace_back(tracks.pixel[i].x(), tracks.pixel[i].y());
   }
   if (static_cast<int>(from.size()) >= kMinHomographyTracks) {
-    const cv::Mat H = cv::findHomography(from, to, cv::RANSAC, kHomographyTolerance, cv::noArray(), 200);
+    const cv::Mat H = cv::findHomography(from, to, cv::RANSAC, kTrackTolerance, cv::noArray(), 200);
     if (!H.empty()) cv::cv2eigen(H, tracks.H_frame_reference);
   }
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -167,7 +167,7 @@ FrameTracks ReferenceTracker::track(const InitializerImage& image, const FrameTr
   cv::calcOpticalFlowPyrLK(image.pyramid, pyramid, to, back, found_back, cv::noArray(), window, 0, stop,
                            cv::OPTFLOW_USE_INITIAL_FLOW, 1e-4);
   for (std::size_t k = 0; k < index.size(); ++k) {
-    if (!found[k] || !found_back[k] || cv::norm(back[k] - from[k]) > kMaxRoundTrip) continue;
+    if (!found[k] || !found_back[k] || cv::norm(back[k] - from[k]) > kMaxTrackRoundTrip) continue;
     const Eigen::Vector2d q(to[k].x, to[k].y);
     if (!image.camera.contains(q, kMargin) || !image.mask(cvRound(to[k].y), cvRound(to[k].x))) continue;
     tracks.pixel[index[k]] = q;

@@ -17,7 +17,7 @@ constexpr std::size_t kMinPoints = 100;   // with depth
 constexpr int kMinTracks = 30;            // of a neighbouring frame, to find its pose
 constexpr double kSigma = 0.5;            // of a track [px]
 constexpr double kTolerance = 2.0;        // of a track [px]
-constexpr double kMinExplained = 0.6;     // share of the tracks that must agree with the depths
+constexpr double kMinAgreeing = 0.6;      // share of the tracks that must agree with the depths
 
 Bundle makeBundle(const InitializerImage& image, const std::vector<Eigen::Vector2d>& corners,
                   const DepthSensorConfig& sensor) {
@@ -120,7 +120,7 @@ bool MetricStart::addPose(const InitializerBuffer& buffer, const ReferenceTracke
   if (std::count(view.observed.begin(), view.observed.end(), 1) >= kMinTracks) {
     optimizePose(bundle, view, BundleOptions());
     const double explained = shareExplained(bundle, view);
-    if (explained < kMinExplained) {
+    if (explained < kMinAgreeing) {
       reason_ = "depth image contradicts the images (" + std::to_string(static_cast<int>(1e2 * explained)) +
                 " % of the tracks agree)";
       return false;

@@ -7,17 +7,12 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
 
+#include "mba_vo/geometry/median.h"
+
 namespace mba_vo {
 namespace {
 
 constexpr double kMinInFront = 0.75;  // share of points a candidate must put in front of both cameras
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 cv::Mat cameraMatrix(const PinholeCamera& camera) {
   return (cv::Mat_<double>(3, 3) << camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0);

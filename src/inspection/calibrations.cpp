@@ -6,10 +6,11 @@
 #include "mba_vo/inspection/judgements.h"
 #include "wording.h"
 
+#include "mba_vo/geometry/angles.h"
+
 namespace mba_vo {
 namespace {
 
-constexpr double kPi = 3.14159265358979;
 constexpr double kNarrowest = 15.0;    // [degrees] of view, without the distortion
 constexpr double kWidest = 150.0;      // the same
 constexpr double kSquarePixels = 0.1;  // relative difference of fx and fy
@@ -41,7 +42,9 @@ std::string againstImages(cv::Size told, cv::Size images) {
   return what;
 }
 
-double degrees(int pixels, double focal_length) { return 2.0 * std::atan2(0.5 * pixels, focal_length) * 180.0 / kPi; }
+double degrees(int pixels, double focal_length) {
+  return 2.0 * std::atan2(0.5 * pixels, focal_length) * kDegreesPerRadian;
+}
 
 /// What no usual camera has; empty if nothing.
 std::string oddities(const CameraCalibration& c) {

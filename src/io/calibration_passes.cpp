@@ -23,11 +23,10 @@ bool isRolling(const CalibrationEstimate& estimate, double told_row_time) {
 }  // namespace
 
 CalibrationCorrection CalibrationStudy::correction() const {
-  using Correction = CalibrationCorrection;
-  Correction correction = estimate.correction;
-  if (!last.correction.correctsLens()) correction.values.head<Correction::kRowTime>().setZero();
-  if (last.correction[Correction::kRowTime] == 0.0) correction.values(Correction::kRowTime) = 0.0;
-  if (!last.correction.correctsVignette()) correction.values.tail<Correction::kVignetteDim>().setZero();
+  CalibrationCorrection correction = estimate.correction;
+  if (!last.correction.correctsLens()) correction.values.head<CalibrationCorrection::kRowTime>().setZero();
+  if (last.correction[CalibrationCorrection::kRowTime] == 0.0) correction.values(CalibrationCorrection::kRowTime) = 0.0;
+  if (!last.correction.correctsVignette()) correction.values.tail<CalibrationCorrection::kVignetteDim>().setZero();
   return correction;
 }
 

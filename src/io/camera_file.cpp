@@ -11,8 +11,6 @@
 namespace mba_vo {
 namespace {
 
-constexpr std::size_t kMostBytes = 1U << 20U;  // of a calibration
-
 bool beginsIni(const std::vector<TextLine>& lines) {
   for (const TextLine& line : lines) {
     if (line.words.size() == 1 && line.words.front() == "[image]") return true;
@@ -51,7 +49,7 @@ SE3 poseOfMatrix(const std::vector<double>& values) {
 }
 
 CameraFile readCameraFile(const std::string& file, const std::string& camera, cv::Size image_size) {
-  const std::string text = readText(file, kMostBytes);
+  const std::string text = readText(file, kMostCalibrationBytes);
   const std::vector<TextLine> lines = splitLines(text, file);
   if (lines.empty()) throw std::runtime_error(file + ": has nothing but comments, must be a camera calibration");
   if (beginsIni(lines)) return readCameraIni(text, file);

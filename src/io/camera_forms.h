@@ -1,11 +1,14 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "mba_vo/io/camera_file.h"
 #include "yaml_fields.h"
 
 namespace mba_vo {
+
+constexpr std::size_t kMostCalibrationBytes = 1U << 20U;  // of a file
 
 /// A YAML file: of ROS, Kalibr or an ASL folder.
 CameraFile readCameraYaml(const YamlFields& root, const std::string& file, const std::string& camera);

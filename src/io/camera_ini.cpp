@@ -15,19 +15,13 @@ struct Heading {
   std::vector<double> values;
 };
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
-  return text;
-}
-
 std::vector<Heading> headings(const std::string& text, const std::string& file) {
   std::vector<Heading> result;
   for (const TextLine& line : splitLines(text, file)) {
     const std::string& first = line.words.front();
     if (first.front() == '[') continue;
     if (!beginsNumber(first)) {
-      result.push_back({joined(line.words), line.where, {}});
+      result.push_back({joinWords(line.words, " "), line.where, {}});
       continue;
     }
     if (result.empty()) throw std::runtime_error(line.where + ": '" + first + "' stands below no heading");

@@ -11,8 +11,6 @@
 namespace mba_vo {
 namespace {
 
-constexpr std::size_t kMostBytes = 1U << 20U;  // of a calibration
-
 CameraFile readRos(const YamlFields& root, const std::string& file) {
   CameraFile result;
   result.form = "ROS camera_info";
@@ -86,19 +84,13 @@ CameraFile readRig(const YamlFields& camera, const std::string& file) {
   return result;
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
 /// Of the cameras of a Kalibr file.
 std::string chooseCamera(const std::vector<std::string>& cameras, const std::string& wanted, const std::string& file) {
   std::string name = wanted.empty() && cameras.size() == 1 ? cameras.front() : (wanted.empty() ? "cam0" : wanted);
   for (const std::string& camera : cameras) {
     if (camera == name) return name;
   }
-  throw std::runtime_error(file + ": has no camera '" + name + "', but " + joined(cameras));
+  throw std::runtime_error(file + ": has no camera '" + name + "', but " + joinWords(cameras, ", "));
 }
 
 void writeMatrix(const char* name, int rows, const std::vector<double>& data, std::ostream& out) {
@@ -124,11 +116,11 @@ CameraFile readCameraYaml(const YamlFields& root, const std::string& file, const
       file +
       ": no calibration that is known: 'image_width' and 'camera_matrix' (ROS), 'cam0' (Kalibr) or "
       "'intrinsics' (ASL) is missing; its keys are " +
-      joined(root.keys()));
+      joinWords(root.keys(), ", "));
 }
 
 std::optional<SE3> readSensorPose(const std::string& file) {
-  return readBodyPose(YamlFields::parse(readText(file, kMostBytes), file));
+  return readBodyPose(YamlFields::parse(readText(file, kMostCalibrationBytes), file));
 }
 
 void writeCameraYaml(const CameraCalibration& c, const std::string& camera_name, std::ostream& out) {

@@ -17,6 +17,8 @@
 namespace mba_vo {
 namespace {
 
+using Correction = CalibrationCorrection;
+
 /// For YAML, where a backslash escapes.
 std::string yamlQuoted(const std::string& text) {
   std::string result = "\"";
@@ -27,7 +29,6 @@ std::string yamlQuoted(const std::string& text) {
 }
 
 void writeCalibration(const OfflineResult& result, std::ostream& out) {
-  using Correction = CalibrationCorrection;
   const Correction& c = result.correction;
   out << "restarts: " << result.restarts << "\n";
   out << "calibration_correction: {focal: " << c[Correction::kFocal] << ", centre_x: " << c[Correction::kCentreX]

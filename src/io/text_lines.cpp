@@ -64,6 +64,12 @@ std::vector<TextLine> splitLines(const std::string& text, const std::string& fil
   return lines;
 }
 
+std::string joinWords(const std::vector<std::string>& words, const std::string& separator) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
+  return text;
+}
+
 bool beginsNumber(const std::string& word) { return word.find_first_of("0123456789+-.") == 0; }
 
 double parseNumber(const std::string& word, const std::string& what, const std::string& where) {

@@ -17,9 +17,9 @@ ImageTime parseLine(const TextLine& line) {
   time.id = parseWhole(words[0], "image id", line.where);
   time.mid_exposure_ns = parseSeconds(words[1], line.where);
   if (words.size() == 3) {
-    constexpr double kSecondsPerMillisecond = 1e-3;
+    constexpr double kSeconds = 1e-3;  // per millisecond
     const double exposure = parseNumber(words[2], "exposure", line.where);
-    if (exposure != 0.0) time.exposure = kSecondsPerMillisecond * exposure;
+    if (exposure != 0.0) time.exposure = kSeconds * exposure;
   }
   return time;
 }

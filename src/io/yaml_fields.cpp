@@ -9,7 +9,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr std::size_t kLongest = 60;  // of a value in a message [characters]
+constexpr std::size_t kLongestValue = 60;  // of a value in a message [characters]
 
 std::string shown(const YAML::Node& node) {
   std::ostringstream text;
@@ -17,7 +17,7 @@ std::string shown(const YAML::Node& node) {
   emitter << YAML::Flow << node;
   std::string value = text.str();
   std::replace(value.begin(), value.end(), '\n', ' ');
-  return value.size() > kLongest ? value.substr(0, kLongest) + "..." : value;
+  return value.size() > kLongestValue ? value.substr(0, kLongestValue) + "..." : value;
 }
 
 std::string lineOf(const YAML::Node& node) {

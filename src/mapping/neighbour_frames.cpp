@@ -7,7 +7,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr std::size_t kFrames = 4;      // two before the keyframe, itself, and the one after
+constexpr std::size_t kNeighbours = 4;  // two before the keyframe, itself, and the one after
 constexpr std::uint64_t kFurthest = 2;  // [frames] from the keyframe
 
 bool isReliable(const TrackedFrame& frame) {
@@ -29,7 +29,7 @@ void NeighbourFrames::add(const TrackedFrameConstPtr& frame) {
   }
   if (!frames_.empty() && frame->frame->mid_exposure_ns < frames_.back()->frame->mid_exposure_ns) return;
   frames_.push_back(frame);
-  if (frames_.size() > kFrames) frames_.pop_front();
+  if (frames_.size() > kNeighbours) frames_.pop_front();
 }
 
 std::vector<DeblurNeighbour> NeighbourFrames::around(const Reference& keyframe, std::uint64_t sequence,

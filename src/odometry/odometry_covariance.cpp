@@ -18,7 +18,7 @@ constexpr double kScaleDrift = 3e-4;       // and of its drift with each keyfram
 
 constexpr double kMemory = 2.0;              // [s] of the accelerations
 constexpr double kLag = 1.5;                 // [frame intervals] of a velocity that was predicted, see MotionState
-constexpr double kUnknownVariance = 1e6;     // of what nothing has measured [m^2, m^2/s^2, rad^2/s^2]
+constexpr double kUnmeasuredVariance = 1e6;  // of what nothing has measured [m^2, m^2/s^2, rad^2/s^2]
 constexpr double kLongestInterval = 0.15;    // [s] two velocities further apart say nothing of an acceleration
 constexpr double kUnknownExposureSigma = 1;  // of the log of an exposure that nobody told
 
@@ -60,7 +60,7 @@ MotionCovariance OdometryCovariance::update(const TrackedFrame& tracked, const S
   if (tracked.orientation_only) {
     result.map = tracked.covariance.topLeftCorner<6, 6>();
     result.odom = seenThrough(T_camera_odom, before_) + result.map;
-    result.velocity = kUnknownVariance * Matrix6::Identity();
+    result.velocity = kUnmeasuredVariance * Matrix6::Identity();
     return result;
   }
   if (has_map_) {
@@ -163,7 +163,7 @@ Matrix6 OdometryCovariance::velocityCovariance(const TrackedFrame& tracked, doub
     return alignmentCovariance(tracked).bottomRightCorner<6, 6>() / (motion.exposure * motion.exposure) +
            squareOf(log_sigma * motion.velocity);
   }
-  if (frames_ < 3 || !(seconds > 0.0)) return kUnknownVariance * Matrix6::Identity();
+  if (frames_ < 3 || !(seconds > 0.0)) return kUnmeasuredVariance * Matrix6::Identity();
   // The difference of two poses that were measured alike, and what the velocity has changed by since.
   const double lag = kLag * seconds;
   return 2.0 / (seconds * seconds) * alignmentCovariance(tracked).topLeftCorner<6, 6>() +

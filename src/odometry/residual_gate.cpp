@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "mba_vo/geometry/median.h"
+
 namespace mba_vo {
 namespace {
 
@@ -20,10 +22,7 @@ void ResidualGate::add(double pixel_error) {
 
 bool ResidualGate::isExceededBy(double pixel_error) const {
   if (errors_.size() < kLeastImages || pixel_error < kHarmless) return false;
-  std::vector<double> sorted(errors_.begin(), errors_.end());
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return pixel_error > kTimes * *middle;
+  return pixel_error > kTimes * median(std::vector<double>(errors_.begin(), errors_.end()));
 }
 
 }  // namespace mba_vo

@@ -14,8 +14,8 @@ constexpr std::ptrdiff_t kJitter = 4;         // if so many of them have no expl
 constexpr std::ptrdiff_t kNoJitter = 0;       // and that they no longer do
 constexpr std::size_t kFittedStamps = 32;     // a line through them leaves a third of the jitter at its end
 constexpr std::size_t kFewestStamps = 8;
-constexpr double kFar = 0.5;         // [periods] from the line
-constexpr int kMostFar = 4;          // in a row: it is not jitter, but frames were dropped or the rate is new
+constexpr double kOffLine = 0.5;     // [periods] from the line
+constexpr int kMostOffLine = 4;      // in a row: it is not jitter, but frames were dropped or the rate is new
 constexpr double kLeastStep = 0.25;  // [periods] between two images
 
 /// A frame follows the last one after a period, or after several, if frames were dropped now or then.
@@ -81,11 +81,11 @@ StampSmoother::Line StampSmoother::fit() const {
 void StampSmoother::followCamera() {
   if (stamps_.size() < kFewestStamps) return;
   const Line line = fit();
-  const bool far = std::abs(line.offset) > kFar * line.period;
+  const bool far = std::abs(line.offset) > kOffLine * line.period;
   const int side = line.offset > 0.0 ? 1 : -1;
   off_ = !far ? 0 : off_ * side > 0 ? off_ + side : side;
-  if (std::abs(off_) < kMostFar) return;
-  stamps_.erase(stamps_.begin(), stamps_.end() - kMostFar);
+  if (std::abs(off_) < kMostOffLine) return;
+  stamps_.erase(stamps_.begin(), stamps_.end() - kMostOffLine);
   off_ = 0;
 }
 

@@ -9,7 +9,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr std::size_t kBacklog = 8;  // so many images wait: the tracker is behind, and does not go back as well
+constexpr std::size_t kImageBacklog = 8;  // so many images wait: the tracker is behind, and does not go back as well
 
 }  // namespace
 
@@ -94,7 +94,7 @@ void TrackerPipeline::adoptReferences() {
     references.swap(references_);
   }
   for (const MapperMessage& message : references) {
-    const bool may_go_back = queue_.size() < kBacklog && !pace_.isPressed();
+    const bool may_go_back = queue_.size() < kImageBacklog && !pace_.isPressed();
     if (message.session == session_ && loop_.take(message.reference, may_go_back)) {
       corrected_ = intake_.correct(message.reference->correction) || corrected_;
       adopted_.push_back(message.reference);

@@ -3,18 +3,10 @@
 #include <algorithm>
 #include <vector>
 
+#include "mba_vo/geometry/median.h"
 #include "mba_vo/io/exposure_advice.h"
 
 namespace mba_vo {
-namespace {
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-}  // namespace
 
 void ExposureWatch::add(std::int64_t stamp_ns, std::optional<double> exposure, bool unmatched) {
   if (!seen_.empty() && stamp_ns <= seen_.back().stamp_ns) seen_.clear();  // another recording

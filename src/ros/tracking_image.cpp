@@ -9,6 +9,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "mba_vo/geometry/median.h"
+
 namespace mba_vo {
 namespace {
 
@@ -28,10 +30,9 @@ cv::Point drawingPoint(const Eigen::Vector2d& pixel) {
 std::vector<cv::Vec3b> depthColors(const std::vector<DrawnPoint>& points) {
   std::vector<double> depths;
   for (const DrawnPoint& point : points) depths.push_back(point.depth);
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  const double nearest = std::log(kNearestShare * *middle);
-  const double farthest = std::log(kFarthestShare * *middle);
+  const double middle = median(std::move(depths));
+  const double nearest = std::log(kNearestShare * middle);
+  const double farthest = std::log(kFarthestShare * middle);
   cv::Mat1b shades(static_cast<int>(points.size()), 1);
   for (int i = 0; i < shades.rows; ++i) {
     const double far = (std::log(points[static_cast<std::size_t>(i)].depth) - nearest) / (farthest - nearest);

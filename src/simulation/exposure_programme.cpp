@@ -4,10 +4,11 @@
 
 #include <opencv2/core.hpp>
 
+#include "mba_vo/geometry/angles.h"
+
 namespace mba_vo {
 namespace {
 
-constexpr double kTwoPi = 2.0 * CV_PI;
 // The gain's error swings with two waves that have no common period with the exposure.
 constexpr double kErrorFrequency[2] = {1.37, 3.19};  // in units of the exposure's
 constexpr double kErrorShare[2] = {0.6, 0.4};

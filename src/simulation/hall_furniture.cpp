@@ -5,7 +5,7 @@
 namespace mba_vo {
 namespace {
 
-Skin wood(double gain) { return {Pattern::kWood, 0.002, false, gain}; }
+Skin paintedWood(double gain) { return {Pattern::kWood, 0.002, false, gain}; }
 
 Eigen::Vector3d facing(const Place& place) { return place.at(0.0, 1.0, 0.0).origin - place.origin; }
 
@@ -43,7 +43,7 @@ void addCrates(RoomBuilder& room, const Place& place, int layers) {
 void addBoard(RoomBuilder& room, const Place& place) {
   const double height = room.uniform(1.8, 2.1);
   room.addBox(place.at(0.0, 0.0, 0.15), {2.0, 0.06, height - 0.15}, {Pattern::kFabric, 0.002, false, 1.0});
-  for (const double x : {-0.9, 0.9}) room.addBox(place.at(x, 0.0, 0.0), {0.08, 0.6, 0.15}, wood(0.6));
+  for (const double x : {-0.9, 0.9}) room.addBox(place.at(x, 0.0, 0.0), {0.08, 0.6, 0.15}, paintedWood(0.6));
   for (const double turn : {0.0, CV_PI}) {
     const Place front = Place{place.origin, place.yaw + turn}.at(0.0, 0.03, 0.0);
     for (const double x : {-0.6, 0.05, 0.65}) {
@@ -55,8 +55,9 @@ void addBoard(RoomBuilder& room, const Place& place) {
 
 void addWorkbench(RoomBuilder& room, const Place& place) {
   const double width = room.uniform(1.4, 1.8);
-  room.addBox(place.at(0.0, 0.0, 0.78), {width, 0.75, 0.05}, wood(1.0));
-  for (const double x : {-0.5, 0.5}) room.addBox(place.at(x * (width - 0.1), 0.0, 0.0), {0.07, 0.7, 0.78}, wood(0.7));
+  room.addBox(place.at(0.0, 0.0, 0.78), {width, 0.75, 0.05}, paintedWood(1.0));
+  for (const double x : {-0.5, 0.5})
+    room.addBox(place.at(x * (width - 0.1), 0.0, 0.0), {0.07, 0.7, 0.78}, paintedWood(0.7));
   room.addBox(place.at(0.1, 0.0, 0.05), {0.8, 0.5, 0.5}, printed(room));
   addClutter(room, place.at(0.0, 0.0, 0.83), width - 0.2, 0.55, 5);
 }
@@ -71,11 +72,11 @@ void addRack(RoomBuilder& room, const Place& place) {
   const double height = room.uniform(1.7, 2.4);
   const int levels = 3;
   for (const double x : {-1.15, 0.0, 1.15}) {
-    room.addBox(place.at(x, 0.35, 0.0), {0.06, 0.7, height}, wood(0.6));
+    room.addBox(place.at(x, 0.35, 0.0), {0.06, 0.7, height}, paintedWood(0.6));
   }
   for (int level = 0; level < levels; ++level) {
     const double z = 0.12 + level * (height - 0.15) / levels;
-    room.addBox(place.at(0.0, 0.35, z), {2.36, 0.68, 0.04}, wood(0.8));
+    room.addBox(place.at(0.0, 0.35, z), {2.36, 0.68, 0.04}, paintedWood(0.8));
     for (const double x : {-0.85, -0.28, 0.3, 0.86}) {
       if (room.chance(0.15)) continue;
       room.addBox(place.at(x, 0.35, z + 0.04, room.uniform(-0.15, 0.15)),
@@ -99,7 +100,7 @@ void addBanner(RoomBuilder& room, const Place& place, double width, double heigh
 
 void addBeam(RoomBuilder& room, const Place& place, double length) {
   constexpr double kDepth = 0.18;  // [m]
-  room.addBox(place.at(0.0, 0.0, -kDepth), {length, 0.16, kDepth}, wood(0.9));
+  room.addBox(place.at(0.0, 0.0, -kDepth), {length, 0.16, kDepth}, paintedWood(0.9));
 }
 
 void addCeilingLamp(RoomBuilder& room, const Place& place) {

@@ -8,10 +8,11 @@
 
 #include <opencv2/core.hpp>
 
+#include "mba_vo/geometry/angles.h"
+
 namespace mba_vo {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
 constexpr double kReferenceRate = 27.0;  // [Hz] of the error statistics
 constexpr double kMedianError = 0.52;    // [deg] for unit shake, a little above the promised 0.5 and 1.1
 constexpr double kUpperError = 1.15;     // [deg], 90 %
@@ -19,7 +20,6 @@ constexpr double kLargestError = 2.15;   // [deg]
 constexpr double kBurst = 1.1;           // the strength varies between exp(-kBurst) and exp(kBurst)
 constexpr double kLongestCalm = 10.0;    // [s]
 constexpr double kDefaultSpeed = 0.4;    // [m/s]
-constexpr double kDegrees = 180.0 / CV_PI;
 
 /// World axes: x right of the start, z up. Camera axes: z forward, x right, y down; gaze 0 looks along world x.
 Eigen::Quaterniond gazeRotation(double yaw, double pitch, double roll) {
@@ -46,7 +46,7 @@ std::vector<double> constantVelocityErrors(const std::vector<SE3>& T_world_camer
     const Eigen::Quaterniond& b = T_world_camera[i - 1].rotation();
     const Eigen::Quaterniond& c = T_world_camera[i].rotation();
     const Eigen::Quaterniond before = a.conjugate() * b;
-    errors.push_back(kDegrees * (b * before).angularDistance(c));
+    errors.push_back(kDegreesPerRadian * (b * before).angularDistance(c));
   }
   return errors;
 }

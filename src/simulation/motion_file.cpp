@@ -5,6 +5,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mba_vo/geometry/angles.h"
+
 namespace mba_vo {
 namespace {
 
@@ -12,7 +14,6 @@ constexpr double kLongestGap = 0.2;      // [s]; to fill a longer one would be t
 constexpr double kLargestTurn = 45.0;    // [deg] from line to line, beyond which the way between is anyone's guess
 constexpr double kNormTolerance = 0.01;  // of a quaternion; six digits keep it within 1e-6
 constexpr std::size_t kFewestPoses = 4;  // for a cubic
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
 /// Says what is wrong with a line of a file.
 class LineReader {
@@ -44,7 +45,8 @@ class LineReader {
     if (step > kLongestGap) {
       fail("no pose for " + std::to_string(step) + " s; at most " + std::to_string(kLongestGap) + " s may be left out");
     }
-    const double turn = kDegrees * before.T_world_camera.rotation().angularDistance(pose.T_world_camera.rotation());
+    const double turn =
+        kDegreesPerRadian * before.T_world_camera.rotation().angularDistance(pose.T_world_camera.rotation());
     if (turn > kLargestTurn) {
       fail("the camera turns by " + std::to_string(turn) + " degrees from the pose before; at most " +
            std::to_string(kLargestTurn) + " are allowed");

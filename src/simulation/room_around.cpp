@@ -10,10 +10,10 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kClearance = 0.45;    // [m]; 0.4 and what the camera moves between two points of its path
-constexpr double kLongestRoom = 12.0;  // [m], a longer one is a hall
-constexpr double kOverlap = 5e-4;      // [m] of neighbouring panels, so no light falls between them
-constexpr double kLampSpacing = 3.5;   // [m]
+constexpr double kClearance = 0.45;     // [m]; 0.4 and what the camera moves between two points of its path
+constexpr double kLongestRoom = 12.0;   // [m], a longer one is a hall
+constexpr double kPanelOverlap = 5e-4;  // [m] of neighbouring panels, so no light falls between them
+constexpr double kLampSpacing = 3.5;    // [m]
 
 struct RoomSize {
   double half_x, half_y, height;  // [m]
@@ -64,12 +64,12 @@ void addFloorAndCeiling(RoomBuilder& room, const RoomSize& size) {
   const double longest = size.hall ? 4.0 : 20.0;  // [m]; a room has one floor
   divide(2.0 * size.half_x, longest, [&](double x, double length) {
     divide(2.0 * size.half_y, longest, [&](double y, double width) {
-      room.addRectangle({x, y, 0.0}, up, Eigen::Vector3d::UnitY(), length + kOverlap, width + kOverlap,
+      room.addRectangle({x, y, 0.0}, up, Eigen::Vector3d::UnitY(), length + kPanelOverlap, width + kPanelOverlap,
                         size.hall ? floorSkin(room, true) : floor);
     });
   });
-  room.addRectangle(size.height * up, -up, Eigen::Vector3d::UnitY(), 2.0 * size.half_x + kOverlap,
-                    2.0 * size.half_y + kOverlap, {Pattern::kPlaster, 0.004, false, 1.1});
+  room.addRectangle(size.height * up, -up, Eigen::Vector3d::UnitY(), 2.0 * size.half_x + kPanelOverlap,
+                    2.0 * size.half_y + kPanelOverlap, {Pattern::kPlaster, 0.004, false, 1.1});
   // Lamps in rows, and beams between the rows.
   const double spacing = size.hall ? 3.5 : 1.8;  // longest [m]
   divide(2.0 * size.half_x, spacing, [&](double x, double length) {
@@ -94,8 +94,8 @@ void addWalls(RoomBuilder& room, const std::array<Wall, 4>& walls, const RoomSiz
     const Skin paper{papers[room.random().uniform(0, 3)], texel, false, 1.1};
     divide(walls[i].length, size.hall ? 5.0 : 20.0, [&](double x, double length) {
       const Skin skin = plain ? Skin{Pattern::kPlaster, 0.003, false, 1.0} : paper;
-      room.addRectangle(middle.at(x, 0.0, 0.5 * size.height).origin, normal, -up, length + kOverlap,
-                        size.height + kOverlap, skin);
+      room.addRectangle(middle.at(x, 0.0, 0.5 * size.height).origin, normal, -up, length + kPanelOverlap,
+                        size.height + kPanelOverlap, skin);
     });
   }
 }

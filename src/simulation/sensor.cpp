@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mba_vo/geometry/angles.h"
 #include "mba_vo/image/parallel_for.h"
 
 namespace mba_vo {
@@ -18,7 +19,6 @@ std::uint64_t mix(std::uint64_t x) {
 
 /// Two independent standard normal numbers from a counter (Box-Muller).
 cv::Vec2d normalPair(std::uint64_t stream, std::uint64_t counter) {
-  constexpr double kTwoPi = 6.283185307179586;
   const std::uint64_t bits = mix(stream ^ mix(counter));
   const double u = (static_cast<double>(bits >> 32) + 0.5) * 0x1p-32;
   const double v = static_cast<double>(bits & 0xFFFFFFFFULL) * 0x1p-32;

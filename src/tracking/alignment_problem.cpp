@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mba_vo/blur/commuted_blur.h"
+#include "mba_vo/geometry/median.h"
 #include "mba_vo/solver/residual_spread.h"
 #include "mba_vo/tracking/patch_sums.h"
 
@@ -114,9 +115,7 @@ void AlignmentProblem::selectPatches(const AlignmentState& state) {
   std::vector<double> inverse_depths;
   inverse_depths.reserve(patches_.size());
   for (const Patch& patch : patches_) inverse_depths.push_back(patch.inverse_depth);
-  const auto middle = inverse_depths.begin() + static_cast<std::ptrdiff_t>(inverse_depths.size() / 2);
-  std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
-  median_inverse_depth_ = *middle;
+  median_inverse_depth_ = median(std::move(inverse_depths));
 }
 
 bool AlignmentProblem::refresh(const AlignmentState& state) {

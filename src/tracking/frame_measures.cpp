@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "mba_vo/geometry/median.h"
+
 namespace mba_vo {
 
 FrameMeasures measureFrame(const Reference& reference, const ExposureTrajectory& trajectory) {
@@ -32,9 +34,7 @@ FrameMeasures measureFrame(const Reference& reference, const ExposureTrajectory&
   }
   if (blur.empty()) return measures;
   const auto count = static_cast<double>(blur.size());
-  const auto middle = blur.begin() + static_cast<std::ptrdiff_t>(blur.size() / 2);
-  std::nth_element(blur.begin(), middle, blur.end());
-  measures.blur_length_px = *middle;
+  measures.blur_length_px = median(std::move(blur));
   measures.flow_px = std::sqrt(flow2 / count);
   measures.parallax_px = std::sqrt(parallax2 / count);
   measures.visible_fraction = count / static_cast<double>(reference.points.size());
@@ -46,9 +46,7 @@ double medianDepth(const Reference& reference) {
   inverse_depths.reserve(reference.points.size());
   for (const ReferencePoint& point : reference.points) inverse_depths.push_back(point.inverse_depth);
   if (inverse_depths.empty()) return 1.0;
-  const auto middle = inverse_depths.begin() + static_cast<std::ptrdiff_t>(inverse_depths.size() / 2);
-  std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
-  return 1.0 / static_cast<double>(*middle);
+  return 1.0 / static_cast<double>(median(std::move(inverse_depths)));
 }
 
 }  // namespace mba_vo

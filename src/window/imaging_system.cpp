@@ -10,11 +10,11 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kDim = CalibrationCorrection::kDim;
-constexpr int kBlock = 2 * kKeyframeDim;  // the correction's states, filled up to keyframes'
-constexpr double kDamping = 1e-6;         // relative; settles position, direction and scale
-constexpr double kFirstKeyframe = 1e6;    // relative information of the first keyframe, which holds the map
-constexpr double kLeastDiagonal = 1e-9;   // keeps states without any information solvable
+constexpr int kCorrectionDim = CalibrationCorrection::kDim;
+constexpr int kCorrectionBlock = 2 * kKeyframeDim;  // the correction's states, filled up to keyframes'
+constexpr double kDamping = 1e-6;                   // relative; settles position, direction and scale
+constexpr double kFirstKeyframe = 1e6;              // relative information of the first keyframe, which holds the map
+constexpr double kLeastDiagonal = 1e-9;             // keeps states without any information solvable
 // By which velocities by the frames around, 0.014-0.02 rad/s and 0.01 m/s off along recorded motions, move the first
 // and the last row [px]. On hand_desk poses were 1.3 times as far off with 0.04 or 1 instead.
 constexpr double kExpectedError = 0.1;
@@ -32,7 +32,7 @@ struct Layout {
   static int pose(int keyframe) { return kKeyframeDim * keyframe; }
   int velocity(int keyframe) const { return kKeyframeDim * (keyframes + keyframe); }
   int correction() const { return kKeyframeDim * keyframes * (rolling ? 2 : 1); }
-  int size() const { return correction() + kBlock; }
+  int size() const { return correction() + kCorrectionBlock; }
 };
 
 /// When the rows of target and host were exposed, over half of the time that reading an image takes. A velocity moves
@@ -99,13 +99,13 @@ void addPair(const PairSystem& pair, const Matrix8& J_host, int host, int target
       out.H.block<kKeyframeDim, kKeyframeDim>(h[i], h[j]) += J_host.transpose() * pair.H[of_host[i + j]] * J_host;
       addBlocks(pair.H[of_both[i][j]], J_host, h[i], t[j], out);
     }
-    out.H.block<kKeyframeDim, kDim>(t[i], c) += pair.H_mixed[of_target[i]];
-    out.H.block<kKeyframeDim, kDim>(h[i], c) += J_host.transpose() * pair.H_mixed[of_host[i]];
+    out.H.block<kKeyframeDim, kCorrectionDim>(t[i], c) += pair.H_mixed[of_target[i]];
+    out.H.block<kKeyframeDim, kCorrectionDim>(h[i], c) += J_host.transpose() * pair.H_mixed[of_host[i]];
     out.b.segment<kKeyframeDim>(t[i]) += pair.b[of_target[i]];
     out.b.segment<kKeyframeDim>(h[i]) += J_host.transpose() * pair.b[of_host[i]];
   }
-  out.H.block<kDim, kDim>(c, c) += pair.correction.H;
-  out.b.segment<kDim>(c) += pair.correction.b;
+  out.H.block<kCorrectionDim, kCorrectionDim>(c, c) += pair.correction.H;
+  out.b.segment<kCorrectionDim>(c) += pair.correction.b;
 }
 
 void addDepth(const CalibrationResidual& residual, const RowTimes& at, const Matrix8& J_host, int host, int target,
@@ -196,14 +196,15 @@ ImagingSystem eliminateKeyframes(const ReducedSystem& reduced, const Layout& lay
   const Eigen::VectorXd scale = H.diagonal().cwiseMax(kLeastDiagonal).cwiseSqrt().cwiseInverse();
   H = scale.asDiagonal() * H * scale.asDiagonal();
   // Above the diagonal, where the correction's columns are filled.
-  const Eigen::MatrixXd mixed = scale.asDiagonal() * reduced.H.block(0, n, n, kDim);
+  const Eigen::MatrixXd mixed = scale.asDiagonal() * reduced.H.block(0, n, n, kCorrectionDim);
   const Eigen::LDLT<Eigen::MatrixXd> of_all(H);
   const Eigen::VectorXd solved = of_all.solve(scale.cwiseProduct(reduced.b.head(n)));
   ImagingSystem out;
-  out.calibration.b = reduced.b.segment<kDim>(n) - mixed.transpose() * solved;
+  out.calibration.b = reduced.b.segment<kCorrectionDim>(n) - mixed.transpose() * solved;
   const auto of_poses = mixed.topRows(poses);
   const Eigen::LDLT<Eigen::MatrixXd> factors(H.topLeftCorner(poses, poses));
-  out.calibration.H = reduced.H.block<kDim, kDim>(n, n) - of_poses.transpose() * factors.solve(of_poses);
+  out.calibration.H =
+      reduced.H.block<kCorrectionDim, kCorrectionDim>(n, n) - of_poses.transpose() * factors.solve(of_poses);
   if (!layout.rolling) return out;
   constexpr int kRow = CalibrationCorrection::kRowTime;
   const double row_time = reduced.H(n + kRow, n + kRow) - mixed.col(kRow).dot(of_all.solve(mixed.col(kRow)));

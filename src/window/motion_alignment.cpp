@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "mba_vo/blur/reblur.h"
+#include "mba_vo/geometry/median.h"
 #include "mba_vo/geometry/small_adjoint.h"
 #include "mba_vo/image/parallel_for.h"
 #include "mba_vo/window/point_activation.h"
@@ -12,11 +13,11 @@
 namespace mba_vo {
 namespace {
 
-constexpr std::size_t kLeastPatches = 50;
+constexpr std::size_t kLeastAligned = 50;
 constexpr std::size_t kMostPatches = 600;     // more would not tell much more
 constexpr std::size_t kPatchesPerChunk = 64;  // in one piece of parallel work
 constexpr double kMaxDrift = 0.75;            // [px] beyond it a patch gets new pixels
-constexpr double kExpectedError = 0.5;        // [px] of the motion by the frames around
+constexpr double kMotionError = 0.5;          // [px] of the motion by the frames around
 constexpr int kMostEvaluations = 6;
 constexpr double kLeastStep = 0.01;    // [px]
 constexpr int kPathRows = 6;           // moments of the gradient with 1, u and u^2
@@ -47,12 +48,6 @@ Products productSums(const PatchComparison& c, const ReblurredPatch& reblurred) 
   return z * z.transpose();
 }
 
-double medianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 MotionAlignment::MotionAlignment(const WindowState& state, int target, const ResidualOptions& options)
@@ -70,7 +65,7 @@ MotionAlignment::MotionAlignment(const WindowState& state, const KeyframeState& 
       patches_(std::move(patches)) {
   std::vector<double> inverse_depths;
   for (const Patch& patch : patches_) inverse_depths.push_back(patch.point->inverse_depth);
-  if (!inverse_depths.empty()) median_inverse_depth_ = medianOf(std::move(inverse_depths));
+  if (!inverse_depths.empty()) median_inverse_depth_ = median(std::move(inverse_depths));
   choosePatches();
 }
 
@@ -111,7 +106,7 @@ void MotionAlignment::choosePatches() {
   patches_.erase(std::remove_if(patches_.begin(), patches_.end(), cannotBeSeen), patches_.end());
 }
 
-bool MotionAlignment::isStarving() const { return patches_.size() < kLeastPatches; }
+bool MotionAlignment::isStarving() const { return patches_.size() < kLeastAligned; }
 
 KeyframeMotion MotionAlignment::initial() const { return {target_.T_map_keyframe(), target_.brightness(), target_.xi}; }
 
@@ -184,7 +179,7 @@ void MotionAlignment::addPatch(const Patch& patch, const PairGeometry& pair, con
 }
 
 void MotionAlignment::addPrior(const KeyframeMotion& motion, NormalEquations<kStates>& equations) const {
-  const double information = kResidualVariance * std::pow(focal_length_ / kExpectedError, 2.0);
+  const double information = kResidualVariance * std::pow(focal_length_ / kMotionError, 2.0);
   Vector6 informations = Vector6::Constant(information);
   informations.head<3>() *= median_inverse_depth_ * median_inverse_depth_;
   equations.addPrior<6>(8, motion.xi - target_.exposure() * target_.expected_velocity, informations);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "mba_vo/geometry/median.h"
+
 namespace mba_vo {
 namespace {
 
@@ -17,9 +19,7 @@ NearDepthPenalty::NearDepthPenalty(const WindowState& state) {
   inverse_depths.reserve(state.points.size());
   for (const PointState& point : state.points) inverse_depths.push_back(point.inverse_depth);
   if (inverse_depths.empty()) return;
-  const auto middle = inverse_depths.begin() + static_cast<std::ptrdiff_t>(inverse_depths.size() / 2);
-  std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
-  median_ = *middle;
+  median_ = median(std::move(inverse_depths));
 }
 
 double NearDepthPenalty::excess(const PointState& point) const {

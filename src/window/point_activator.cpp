@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kUnrefinedVariance = 1.0;  // of an inverse depth not refined yet: as good as unknown [1/m^2]
 constexpr double kStarving = 0.35;          // share of the points wanted
-constexpr double kBorder = 2.0;             // [px]
+constexpr double kHostBorder = 2.0;         // [px]
 
 template <typename Predicate>
 void eraseIf(std::vector<ImmaturePoint>& points, const Predicate& isDone) {
@@ -62,7 +62,7 @@ std::optional<Eigen::Vector2d> PointActivator::see(const SE3& T_newest_host, con
   const Eigen::Vector3d in_newest = T_newest_host * (camera_.unproject(point.pixel.cast<double>()) / inverse_depth);
   if (in_newest.z() <= 0.0) return std::nullopt;
   const Eigen::Vector2d pixel = camera_.project(in_newest);
-  return camera_.contains(pixel, kBorder) ? std::optional<Eigen::Vector2d>(pixel) : std::nullopt;
+  return camera_.contains(pixel, kHostBorder) ? std::optional<Eigen::Vector2d>(pixel) : std::nullopt;
 }
 
 bool PointActivator::activate(KeyframeId host, const ImmaturePoint& point, double inverse_depth,

@@ -3,7 +3,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kMinDistance = 1e-9;  // [m]
+constexpr double kSamePlace = 1e-9;  // [m]
 
 }  // namespace
 
@@ -11,7 +11,7 @@ void ScalePrior::choose(const WindowState& state) {
   for (int i = 1; i < state.size(); ++i) {
     const Eigen::Vector3d between =
         state.keyframe(i).T_map_keyframe().translation() - state.keyframe(0).T_map_keyframe().translation();
-    if (between.norm() <= std::max(distance_, kMinDistance)) continue;
+    if (between.norm() <= std::max(distance_, kSamePlace)) continue;
     distance_ = between.norm();
     first_ = state.keyframe(0).id;
     second_ = state.keyframe(i).id;

@@ -6,7 +6,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kMaxDepthFactor = 2.0;  // by which one step may change the inverse depth
+constexpr double kMaxRefinedFactor = 2.0;  // by which one step may change the inverse depth
 
 }  // namespace
 
@@ -73,7 +73,7 @@ std::optional<PointState> WindowPointActivation::activate(const WindowState& sta
     PointState trial = point;
     const double factor = 1.0 - current.b / (current.H * (1.0 + lambda)) / point.inverse_depth;
     if (std::abs(factor - 1.0) < options_.min_relative_step) break;
-    trial.inverse_depth *= std::clamp(factor, 1.0 / kMaxDepthFactor, kMaxDepthFactor);
+    trial.inverse_depth *= std::clamp(factor, 1.0 / kMaxRefinedFactor, kMaxRefinedFactor);
     if (evaluate(state, pairs, false, trial).cost >= current.cost) {
       lambda = std::max(lambda, 0.1) * 5.0;
       continue;

@@ -1,9 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace mba_vo {
+
+/// A figure that does not exist.
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// Summary of a list of errors; NaN where there is no value. Median and percentile interpolate linearly between ranks.
 struct Statistics {

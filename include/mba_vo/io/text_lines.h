@@ -21,6 +21,8 @@ std::string readText(const std::string& file, std::size_t most_bytes = 1U << 30U
 std::vector<TextLine> splitLines(const std::string& text, const std::string& file,
                                  const std::string& separators = " \t\r");
 
+std::string joinWords(const std::vector<std::string>& words, const std::string& separator);
+
 /// Whether it can only be meant as a number.
 bool beginsNumber(const std::string& word);
 
