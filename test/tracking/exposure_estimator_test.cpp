@@ -17,12 +17,12 @@ constexpr std::int64_t kEnd_ns = 450000000;  // of the last frame
 const SE3 kT_other_first = SE3::exp((Vector6() << 0.01, 0.02, 0, 0.01, 0, 0.02).finished());
 
 /// A camera that swings to and fro before the room, seen from two references in turn, with the true poses. The exposure
-/// of the last frame is `growth` times as long as that of the first, kExposure.
+/// of the last frame is `growth` times as long as `exposure` [s], that of the first.
 struct Swing {
   std::vector<ReferenceConstPtr> references;
   std::vector<TrackedFrame> frames;
 
-  explicit Swing(double growth = 1.0) {
+  explicit Swing(double growth = 1.0, double exposure = kExposure) {
     const SimulatedFrame view = test::roomSimulator().render(40);
     const SE3 T_world_other = view.T_world_mid * kT_other_first.inverse();
     const SimulatedFrame other =
@@ -35,9 +35,9 @@ struct Swing {
     };
     for (int i = 0; i < kFrames; ++i) {
       const SimulatedFrame rendered = test::roomSimulator().renderExposure(
-          pose, kInterval * i, kExposure * std::pow(growth, i / (kFrames - 1.0)), static_cast<unsigned>(i));
+          pose, kInterval * i, exposure * std::pow(growth, i / (kFrames - 1.0)), static_cast<unsigned>(i));
       TrackedFrame tracked;
-      tracked.frame = test::makeFrame(test::toFloat(rendered.blurred), std::llround(1e9 * kInterval * i), kExposure);
+      tracked.frame = test::makeFrame(test::toFloat(rendered.blurred), std::llround(1e9 * kInterval * i), exposure);
       tracked.status = TrackingStatus::kTracking;
       const SE3 T_first_mid = view.T_world_mid.inverse() * rendered.T_world_mid;
       tracked.trajectory.T_reference_mid = i % 2 == 0 ? T_first_mid : kT_other_first * T_first_mid;
@@ -91,6 +91,17 @@ TEST(ExposureEstimator, LeavesRightExposuresAsTheyAre) {
   EXPECT_NEAR(estimator.estimate(true, kEnd_ns).ratio, 1.0, 0.06);
   EXPECT_EQ(estimator.exposureFor(kExposure, kEnd_ns), kExposure);
   EXPECT_EQ(estimator.exposureFor(0.0, kEnd_ns), 0.0);
+}
+
+TEST(ExposureEstimator, Explore) {
+  for (const double exposure : {0.0015, 0.002, 0.003, 0.004, 0.006}) {
+    const Swing swing(1.0, exposure);
+    for (const double factor : {0.7, 0.75, 0.8, 1.0, 1.25, 1.3, 1.4}) {
+      const ExposureEstimator estimator = estimate(factor * exposure, {}, swing);
+      const ExposureEstimate e = estimator.estimate(true, kEnd_ns);
+      std::printf("EXP %g f %g ratio %g log %g sigma %g used %d\n", exposure, factor, e.ratio, std::log(e.ratio), e.log_sigma, e.used);
+    }
+  }
 }
 
 TEST(ExposureEstimator, KeepsStillWhenToldTo) {
