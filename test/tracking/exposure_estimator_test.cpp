@@ -93,15 +93,15 @@ TEST(ExposureEstimator, LeavesRightExposuresAsTheyAre) {
   EXPECT_EQ(estimator.exposureFor(0.0, kEnd_ns), 0.0);
 }
 
-TEST(ExposureEstimator, Explore) {
-  for (const double exposure : {0.0015, 0.002, 0.003, 0.004, 0.006}) {
-    const Swing swing(1.0, exposure);
-    for (const double factor : {0.7, 0.75, 0.8, 1.0, 1.25, 1.3, 1.4}) {
-      const ExposureEstimator estimator = estimate(factor * exposure, {}, swing);
-      const ExposureEstimate e = estimator.estimate(true, kEnd_ns);
-      std::printf("EXP %g f %g ratio %g log %g sigma %g used %d\n", exposure, factor, e.ratio, std::log(e.ratio), e.log_sigma, e.used);
-    }
-  }
+/// All samples of short blurs come out too short by 15 %: they agree, and are wrong.
+TEST(ExposureEstimator, ErrorsThatAllSamplesHaveAlikeAreNoEvidence) {
+  constexpr double kShort = 0.006;         // [s]
+  constexpr double kGiven = 1.1 * kShort;  // nearer to the truth than what is measured
+  const ExposureEstimator estimator = estimate(kGiven, {}, Swing(1.0, kShort));
+  const ExposureEstimate measured = estimator.estimate(true, kEnd_ns);
+  EXPECT_LT(measured.ratio, 0.8);
+  EXPECT_LT(measured.log_sigma, 0.05) << "by how they scatter";
+  EXPECT_EQ(estimator.exposureFor(kGiven, kEnd_ns), kGiven);
 }
 
 TEST(ExposureEstimator, KeepsStillWhenToldTo) {
