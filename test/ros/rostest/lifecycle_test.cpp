@@ -270,7 +270,8 @@ TEST(Lifecycle, TwoCamerasInOneManager) {
   EXPECT_EQ(right.odometry->status().state, Status::TRACKING);
 }
 
-/// What the mapper makes of it comes to the tracker a frame earlier or later, so poses are not the same to the bit.
+/// Images come one at a time, so both runs do the same in the same order, but for a map that comes an image later on a
+/// busy machine.
 TEST(Lifecycle, ImagesThatWereCompressedWithoutLossGiveTheTrajectoryOfTheOriginals) {
   std::vector<std::vector<PoseRecord>> trajectories;
   for (const char* transport : {"raw", "compressed"}) {
@@ -292,9 +293,8 @@ TEST(Lifecycle, ImagesThatWereCompressedWithoutLossGiveTheTrajectoryOfTheOrigina
     EXPECT_EQ(compressed[i].time, raw[i].time);
     largest = std::max(largest, (raw[i].T_world_camera.inverse() * compressed[i].T_world_camera).log().norm());
   }
-  EXPECT_LT(largest, 2e-3) << "the room is about 1 unit deep";
+  EXPECT_LT(largest, 1e-3) << "the room is about 1 unit deep";
   RecordProperty("largest_difference", std::to_string(largest));
-  std::printf("LARGEST %g\n", largest);
 }
 
 TEST(Lifecycle, NoPoseIsNoSuccess) {
