@@ -28,7 +28,7 @@ constexpr int kLeastUnknownSamples = 1;   // from which on they are better than 
 constexpr double kWrong = 0.2;            // |log ratio| from which on exposures that came are not believed
 constexpr double kRightAgain = 0.1;       // the same, until which they are not
 constexpr double kSignificance = 4.0;     // standard deviations
-constexpr double kCommon = 0.0;           // the same of one sample, for what all have wrong alike does not average out
+constexpr double kCommon = 2.0;           // the same of one sample, for what all have wrong alike does not average out
 constexpr double kMedianSigma = 1.2533 * 1.4826;  // of a median, over median deviation / sqrt(samples)
 
 double seconds(const TrackedFrame& from, const TrackedFrame& to) {
