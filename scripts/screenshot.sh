@@ -3,12 +3,14 @@
 # screen, and writes what rviz shows.
 #
 #   scripts/screenshot.sh [--no-install] [--bag FILE] [--after S] [--rate R] [--output FILE]
+#                         [--animation FILE]
 #
 #   --no-install    the dependencies are there already, and so is the build
 #   --bag FILE      of mba_vo_simulate or mba_vo_make_bag, in place of a simulated one
 #   --after S       seconds between the first deblurred keyframe and the picture (5)
 #   --rate R        speed of the bag (0.5): a virtual screen has no graphics card
 #   --output FILE   the picture (docs/images/rviz.png)
+#   --animation FILE  besides, some seconds from then on, small, as a GIF
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -17,6 +19,7 @@ bag=
 after=5
 rate=0.5
 picture=docs/images/rviz.png
+animation=
 while [ $# -gt 0 ]; do
   case "$1" in
     --no-install) install=false ;;
@@ -24,6 +27,7 @@ while [ $# -gt 0 ]; do
     --after) after=${2:?--after needs seconds}; shift ;;
     --rate) rate=${2:?--rate needs a factor}; shift ;;
     --output) picture=${2:?--output needs a file}; shift ;;
+    --animation) animation=${2:?--animation needs a file}; shift ;;
     -h | --help) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
     *) echo "screenshot.sh: '$1': see --help" >&2; exit 2 ;;
   esac
@@ -69,3 +73,11 @@ sleep "$after"
 import -window root "$work/shot.png"
 convert "$work/shot.png" -dither None -colors 200 -define png:compression-level=9 "$picture"
 echo "$picture"
+if [ -n "$animation" ]; then
+  for i in $(seq -w 24); do
+    import -window root -resize 640x "$work/frame-$i.png"
+    sleep 0.2
+  done
+  convert -delay 20 -loop 0 "$work"/frame-*.png -dither None -colors 64 -layers Optimize "$animation"
+  echo "$animation"
+fi

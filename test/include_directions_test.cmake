@@ -16,7 +16,7 @@ set(mapping_may ${window_may} window initialization relocalization trajectory de
 set(odometry_may ${mapping_may} mapping)
 set(io_may ${odometry_may} odometry)
 set(capture_may ${io_may} io)
-set(inspection_may ${io_may} io)
+set(inspection_may ${io_may} io evaluation datasets)
 set(simulation_may geometry image)
 set(evaluation_may geometry)
 set(datasets_may ${io_may} io evaluation)

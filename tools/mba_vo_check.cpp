@@ -21,13 +21,16 @@ constexpr int kUnreadable = 2;
 
 struct Arguments {
   std::string recording;
-  std::string images = "images";
+  mba_vo::DatasetOptions folder;
   std::string image_topic;
 };
 
 void describe(CLI::App& app, Arguments& a) {
-  app.add_option("RECORDING", a.recording, "sequence folder (camera.yaml, times.txt, images) or .bag file")->required();
-  app.add_option("--images", a.images, "sub-folder with the images of a sequence folder")->capture_default_str();
+  app.add_option("RECORDING", a.recording, "folder of a sequence or of a known data set, or .bag file")->required();
+  app.add_option("--images", a.folder.images, "sub-folder with the images of a sequence folder")->capture_default_str();
+  app.add_option("--camera", a.folder.camera, "which of several cameras of a folder: cam0, cam1, ...");
+  app.add_option("--calibration", a.folder.calibration_file, "of the camera, in place of that of the folder")
+      ->check(CLI::ExistingFile);
   app.add_option("--image-topic", a.image_topic, "look at this topic of the bag only");
 }
 
@@ -42,7 +45,7 @@ mba_vo::InspectionReport inspectBag(const Arguments& a, const mba_vo::Inspection
 
 int check(Arguments a) {
   if (!std::filesystem::exists(a.recording)) {
-    throw std::runtime_error(a.recording + ": no such sequence folder or bag");
+    throw std::runtime_error(a.recording + ": no such folder or bag");
   }
   a.recording = std::filesystem::absolute(a.recording).lexically_normal().string();
   std::unique_ptr<mba_vo::ProgressBar> bar;
@@ -51,7 +54,7 @@ int check(Arguments a) {
     bar->update(done);
   };
   const mba_vo::InspectionReport report = std::filesystem::is_directory(a.recording)
-                                              ? mba_vo::inspectFolder(a.recording, a.images, progress)
+                                              ? mba_vo::inspectFolder(a.recording, a.folder, progress)
                                               : inspectBag(a, progress);
   bar.reset();
   mba_vo::print(report, std::cout);

@@ -10,11 +10,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool isSequenceFolder(const fs::path& folder, const std::string& images) {
-  return fs::exists(folder / "times.txt") || fs::exists(folder / "camera.yaml") || fs::exists(folder / "camera.txt") ||
-         fs::is_directory(folder / images);
-}
-
 /// This project's own, or TUM-mono, which differs in that camera.txt tells the lens and in what else is known of it.
 Dataset openOwnFolder(const fs::path& folder, const DatasetOptions& options) {
   Dataset dataset;
@@ -66,13 +61,21 @@ cv::Size sizeOfFirst(const std::vector<ListedImage>& images) {
                                           : images.front().file.string() + ": not a readable image, nor any other");
 }
 
+bool isSequenceFolder(const std::string& folder, const std::string& images) {
+  const fs::path path(folder);
+  requireFolder(path);
+  if (isRgbdFolder(path) || findAslFolders(path, "") || !sevenScenesFiles(path, ".color").empty()) return false;
+  return fs::exists(path / "times.txt") || fs::exists(path / "camera.yaml") || fs::exists(path / "camera.txt") ||
+         fs::is_directory(path / images);
+}
+
 Dataset openDataset(const std::string& folder, const DatasetOptions& options) {
   const fs::path path = fs::path(folder).has_filename() ? fs::path(folder) : fs::path(folder).parent_path();
   requireFolder(path);
   if (isRgbdFolder(path)) return openRgbdFolder(path, options);
   if (const auto asl = findAslFolders(path, options.camera)) return openAslFolder(*asl, options);
   if (!sevenScenesFiles(path, ".color").empty()) return openSevenScenesFolder(path, options);
-  if (isSequenceFolder(path, options.images)) return openOwnFolder(path, options);
+  if (isSequenceFolder(path.string(), options.images)) return openOwnFolder(path, options);
   throw std::runtime_error(
       folder +
       ": no recording that is known: images and times.txt (sequence folder, TUM-mono), rgb.txt (TUM "

@@ -2,6 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <iterator>
+#include <limits>
+
+#include "mba_vo/io/exposure_advice.h"
 
 namespace mba_vo {
 
@@ -23,6 +28,25 @@ double usualInterval(const std::vector<ImageFacts>& images) {
   return quantile(std::move(intervals), 0.5);
 }
 
+std::vector<MatchedExposure> matchExposures(const CameraFacts& facts) {
+  std::vector<MatchedExposure> matches;
+  std::vector<ExposureFacts> sorted = facts.exposures;
+  if (sorted.empty()) return matches;
+  const auto isEarlier = [](const ExposureFacts& a, const ExposureFacts& b) { return a.stamp_ns < b.stamp_ns; };
+  std::stable_sort(sorted.begin(), sorted.end(), isEarlier);
+  for (const ImageFacts& image : facts.images) {
+    auto nearest = std::lower_bound(sorted.begin(), sorted.end(), ExposureFacts{image.stamp_ns, 0.0}, isEarlier);
+    const bool before =
+        nearest == sorted.end() || (nearest != sorted.begin() && image.stamp_ns - std::prev(nearest)->stamp_ns <
+                                                                     std::llabs(nearest->stamp_ns - image.stamp_ns));
+    if (before) --nearest;
+    const std::int64_t offset = nearest->stamp_ns - image.stamp_ns;
+    const bool matches_it = std::llabs(offset) <= kMatchingStampsNs;
+    matches.push_back({matches_it ? nearest->seconds : std::numeric_limits<double>::quiet_NaN(), offset});
+  }
+  return matches;
+}
+
 double usualExposure(const std::vector<ExposureFacts>& exposures) {
   std::vector<double> known;
   for (const ExposureFacts& exposure : exposures) {
@@ -38,8 +62,7 @@ double usualBlur(const CameraFacts& facts) {
   }
   const double interval = usualInterval(facts.images);
   const double exposure = usualExposure(facts.exposures);
-  constexpr double kWholeInterval = 1.1;  // beyond, the exposure is wrong
-  if (interval == 0.0 || exposure > kWholeInterval * interval) return 0.0;
+  if (interval == 0.0 || exposure > kLongestExposure * interval) return 0.0;
   return exposure / interval * quantile(std::move(lengths), 0.5);
 }
 

@@ -68,10 +68,14 @@ Commands commandsFor(const InspectionReport& report, const CameraReport& camera)
   if (has(camera, Check::kWhiteLevel)) {
     commands.options_yaml.push_back("white_level: " + number(camera.facts.white_level, 5));
   }
-  if (has(camera, Check::kGamma)) commands.options_yaml.emplace_back("gamma: 2.2");
+  const auto response = measureResponse(camera.facts);
+  if (has(camera, Check::kGamma) && isGamma(response)) {
+    commands.options_yaml.push_back("gamma: " + number(1.0 / response->power, 2));
+  }
   const bool config = !commands.options_yaml.empty();
   std::string offline = "rosrun mba_vo mba_vo_offline " + quoted(report.path) + " --output output";
   if (source.images_subfolder != "images") offline += option("--images ", source.images_subfolder);
+  offline += option("--camera ", source.camera) + option("--calibration ", source.calibration_file);
   offline += option("--image-topic ", source.image) + option("--camera-info-topic ", source.camera_info) +
              option("--exposure-topic ", source.exposure) + option("--exposure ", exposureToTell(camera));
   if (config) offline += std::string(" --config ") + kOptionsFile;

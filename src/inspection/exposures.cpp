@@ -1,8 +1,6 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
-#include <iterator>
 
 #include "mba_vo/inspection/judgements.h"
 #include "wording.h"
@@ -10,15 +8,10 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kLongest = 1.1;                // exposure over interval; stamps jitter
-constexpr double kOtherUnit = 10.0;             // the same, from which on it is not just a wrong value
-constexpr double kShortest = 50e-6;             // [s]; shorter ones are rare in daylight, and show no blur
-constexpr std::int64_t kToleranceNs = 500'000;  // between an exposure's stamp and its image's, as in the nodes
-constexpr double kUnmatched = 0.02;             // share of the images; the last ones of a bag may lack it
-constexpr double kLongOnes = 0.01;              // share of the exposures
-constexpr double kMostlyZero = 0.5;             // share of the exposures
-constexpr std::array<ExposureUnit, 3> kUnits{ExposureUnit{"milliseconds", 1e-3}, ExposureUnit{"microseconds", 1e-6},
-                                             ExposureUnit{"nanoseconds", 1e-9}};
+constexpr double kOtherUnit = 10.0;  // exposure over interval, from which on it is not just a wrong value
+constexpr double kUnmatched = 0.02;  // share of the images; the last ones of a bag may lack it
+constexpr double kLongOnes = 0.01;   // share of the exposures
+constexpr double kMostlyZero = 0.5;  // share of the exposures
 
 template <typename Predicate>
 std::size_t count(const std::vector<ExposureFacts>& exposures, const Predicate& predicate) {
@@ -32,20 +25,12 @@ struct Unmatched {
 };
 
 Unmatched findUnmatched(const CameraFacts& facts) {
-  std::vector<std::int64_t> stamps;
-  for (const ExposureFacts& exposure : facts.exposures) stamps.push_back(exposure.stamp_ns);
-  std::sort(stamps.begin(), stamps.end());
   Unmatched result;
   std::vector<double> offsets;
-  for (const ImageFacts& image : facts.images) {
-    const auto above = std::lower_bound(stamps.begin(), stamps.end(), image.stamp_ns);
-    auto nearest = above == stamps.end() ? std::prev(above) : above;
-    if (above != stamps.begin() && image.stamp_ns - *std::prev(above) < std::abs(*nearest - image.stamp_ns)) {
-      nearest = std::prev(above);
-    }
-    if (std::abs(*nearest - image.stamp_ns) <= kToleranceNs) continue;
+  for (const MatchedExposure& match : matchExposures(facts)) {
+    if (std::llabs(match.offset_ns) <= kMatchingStampsNs) continue;
     ++result.images;
-    offsets.push_back(1e-9 * static_cast<double>(*nearest - image.stamp_ns));
+    offsets.push_back(1e-9 * static_cast<double>(match.offset_ns));
   }
   result.usual_offset = quantile(std::move(offsets), 0.5);
   return result;
@@ -55,7 +40,7 @@ Unmatched findUnmatched(const CameraFacts& facts) {
 void judgeUnit(const std::vector<ExposureFacts>& exposures, double interval, std::vector<Finding>& findings) {
   const double usual = usualExposure(exposures);
   if (usual == 0.0) return;
-  if (usual < kShortest) {
+  if (usual < kShortestUsualExposure) {
     findings.push_back({Check::kExposureTooShort,
                         "exposures are " + duration(usual) + ", 1000 times that would be " + duration(1e3 * usual)});
   }
@@ -63,11 +48,11 @@ void judgeUnit(const std::vector<ExposureFacts>& exposures, double interval, std
   if (const auto unit = mistakenUnit(usual, interval)) {
     findings.push_back({Check::kExposureUnit, "exposures are " + number(usual, 6) + " s where images are " +
                                                   duration(interval) + " apart; these seem to be " + unit->name + ", " +
-                                                  duration(usual * unit->seconds) + " (unit:=" + number(unit->seconds) +
-                                                  ")"});
+                                                  duration(usual * unit->seconds) + " (unit:=" + unit->text + ")"});
     return;
   }
-  const std::size_t too_long = count(exposures, [&](double s) { return std::isfinite(s) && s > kLongest * interval; });
+  const std::size_t too_long =
+      count(exposures, [&](double s) { return std::isfinite(s) && s > kLongestExposure * interval; });
   if (static_cast<double>(too_long) > kLongOnes * static_cast<double>(exposures.size())) {
     findings.push_back({Check::kExposureTooLong, countOf(too_long, exposures.size(), "exposures") +
                                                      " are longer than the " + duration(interval) +
@@ -79,11 +64,8 @@ void judgeUnit(const std::vector<ExposureFacts>& exposures, double interval, std
 
 std::optional<ExposureUnit> mistakenUnit(double usual, double interval) {
   if (usual <= kOtherUnit * interval) return std::nullopt;
-  for (const ExposureUnit& unit : kUnits) {
-    const double seconds = usual * unit.seconds;
-    if (seconds <= kLongest * interval) return seconds >= kShortest ? std::optional(unit) : std::nullopt;
-  }
-  return std::nullopt;
+  const std::vector<ExposureUnit> units = possibleUnits(usual, interval);
+  return units.empty() ? std::nullopt : std::optional(units.front());
 }
 
 std::vector<Finding> judgeExposures(const CameraFacts& facts) {

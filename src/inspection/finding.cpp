@@ -12,6 +12,7 @@ const std::vector<CheckText>& allChecks() {
   static const std::vector<CheckText> kChecks{
     // The recording as a whole.
     {Check::kNotABag, "not-a-bag", kProblem, "nothing can be read", "give a .bag file of ROS 1, or a sequence folder"},
+    {Check::kBadFolder, "bad-folder", kProblem, "the folder is not opened, or not read to its end", "add or mend the file that is named"},
     {Check::kNeedsReindex, "needs-reindex", kProblem, "nothing can be read", "rosbag reindex FILE"},
     {Check::kDamagedBag, "damaged-bag", kProblem, "the rest of the topic is lost", "copy the bag again, or rosbag fix, rosbag filter up to there"},
     {Check::kNoImages, "no-images", kProblem, "there is nothing to track", "record a topic of type sensor_msgs/Image or sensor_msgs/CompressedImage"},

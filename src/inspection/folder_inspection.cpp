@@ -1,6 +1,5 @@
 #include "mba_vo/inspection/folder_inspection.h"
 
-#include <cctype>
 #include <filesystem>
 #include <map>
 #include <stdexcept>
@@ -21,10 +20,26 @@ namespace fs = std::filesystem;
 constexpr const char* kFolderOfExposures = "images";     // times.txt speaks of these images
 constexpr std::int64_t kAssumedIntervalNs = 33'333'333;  // where times.txt cannot be read
 
+/// What the form of the recording tells of the camera.
+void adopt(const Dataset& dataset, InspectionReport& report, CameraInspection& camera) {
+  report.contents.push_back("form: " + dataset.form);
+  for (const std::string& note : dataset.notes) report.contents.push_back(note);
+  if (!dataset.response_file.empty()) camera.setResponseKnown();
+}
+
+CameraReport reportOn(const CameraInspection& camera, CameraSource source) {
+  CameraReport report;
+  report.source = std::move(source);
+  report.facts = camera.facts();
+  report.findings = judge(report.facts);
+  return report;
+}
+
+/// Of a sequence folder, whatever is wrong with it.
 class FolderInspection {
  public:
-  FolderInspection(fs::path folder, std::string subfolder)
-      : folder_(std::move(folder)), subfolder_(std::move(subfolder)) {
+  FolderInspection(fs::path folder, const DatasetOptions& options)
+      : folder_(std::move(folder)), subfolder_(options.images), options_(options) {
     report_.path = folder_.string();
   }
 
@@ -36,15 +51,15 @@ class FolderInspection {
           {Check::kNoImages, (folder_ / subfolder_).string() + " has no images with a number as name"});
       return report_;
     }
+    readForm();
     readCalibration();
     readTimes();
     lookAtImages(progress);
-    CameraReport camera;
-    camera.source.name = (folder_ / subfolder_).string();
-    camera.source.images_subfolder = subfolder_;
-    camera.facts = camera_.facts();
-    camera.findings = judge(camera.facts);
-    report_.cameras.push_back(std::move(camera));
+    CameraSource source;
+    source.name = (folder_ / subfolder_).string();
+    source.images_subfolder = subfolder_;
+    source.calibration_file = options_.calibration_file;
+    report_.cameras.push_back(reportOn(camera_, std::move(source)));
     return report_;
   }
 
@@ -62,8 +77,17 @@ class FolderInspection {
     report_.contents.push_back(subfolder_ + ": " + std::to_string(files_.size()) + " images");
   }
 
+  void readForm() {
+    try {
+      adopt(openDataset(folder_.string(), options_), report_, camera_);
+    } catch (const std::runtime_error&) {
+      return;  // what is wrong is found in what follows
+    }
+  }
+
   void readCalibration() {
-    const std::string file = (folder_ / "camera.yaml").string();
+    const std::string& told = options_.calibration_file;
+    const std::string file = told.empty() ? cameraFileIn(folder_.string()) : told;
     if (!fs::exists(file)) {
       say(Check::kNoCameraInfo, "there is no " + file);
       return;
@@ -118,17 +142,57 @@ class FolderInspection {
 
   fs::path folder_;
   std::string subfolder_;
+  DatasetOptions options_;
   std::map<std::uint64_t, fs::path> files_;  // by number
   std::vector<ImageTime> times_;
   CameraInspection camera_;
   InspectionReport report_;
 };
 
+void look(const Dataset& dataset, const InspectionProgress& progress, CameraInspection& camera) {
+  camera.setCalibration(dataset.reader->calibration());
+  std::size_t done = 0;
+  while (const std::optional<CameraImage> image = dataset.reader->next()) {
+    progress(++done, dataset.reader->size());
+    SeenImage seen;
+    seen.stamp_ns = image->stamp_ns;
+    seen.image = image->image;
+    seen.encoding = image->image.empty() ? "unreadable" : cv::typeToString(image->image.type());
+    seen.problem = image->problem;
+    camera.add(seen);
+    if (image->exposure) camera.addExposure(image->stamp_ns, *image->exposure);
+  }
+}
+
+/// Of any other form, whose readers end with the first thing that is missing or malformed.
+InspectionReport inspectDataset(const std::string& folder, const DatasetOptions& options,
+                                const InspectionProgress& progress) {
+  InspectionReport report;
+  report.path = folder;
+  CameraInspection camera;
+  try {
+    const Dataset dataset = openDataset(folder, options);
+    adopt(dataset, report, camera);
+    look(dataset, progress, camera);
+  } catch (const std::runtime_error& error) {
+    report.findings.push_back({Check::kBadFolder, error.what()});
+  }
+  report.readable = !camera.facts().images.empty();
+  if (!report.readable) return report;
+  CameraSource source;
+  source.name = folder + (options.camera.empty() ? "" : ", " + options.camera);
+  source.camera = options.camera;
+  source.calibration_file = options.calibration_file;
+  report.cameras.push_back(reportOn(camera, std::move(source)));
+  return report;
+}
+
 }  // namespace
 
-InspectionReport inspectFolder(const std::string& folder, const std::string& images_subfolder,
+InspectionReport inspectFolder(const std::string& folder, const DatasetOptions& options,
                                const InspectionProgress& progress) {
-  return FolderInspection(folder, images_subfolder).run(progress);
+  if (isSequenceFolder(folder, options.images)) return FolderInspection(folder, options).run(progress);
+  return inspectDataset(folder, options, progress);
 }
 
 }  // namespace mba_vo

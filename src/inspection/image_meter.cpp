@@ -75,6 +75,30 @@ Matches followCorners(const cv::Mat1b& before, const cv::Mat1b& now) {
   return matches;
 }
 
+/// Logarithm of how much brighter the points are now, whatever moved.
+std::optional<double> brightening(const cv::Mat1b& before, const cv::Mat1b& now, const Matches& matches) {
+  constexpr double kDark = 20.0;     // [grey levels]; black is not quite 0 in all cameras
+  constexpr double kBright = 235.0;  // the same; around white the mean is too dark
+  constexpr std::size_t kFewest = 20;
+  const cv::Size around(5, 5);
+  cv::Mat1f mean_before;
+  cv::Mat1f mean_now;
+  cv::boxFilter(before, mean_before, CV_32F, around);
+  cv::boxFilter(now, mean_now, CV_32F, around);
+  std::vector<double> ratios;
+  const cv::Rect image({0, 0}, now.size());
+  for (std::size_t i = 0; i < matches.now.size(); ++i) {
+    const cv::Point p(cvRound(matches.before[i].x), cvRound(matches.before[i].y));
+    const cv::Point q(cvRound(matches.now[i].x), cvRound(matches.now[i].y));
+    if (!image.contains(p) || !image.contains(q)) continue;
+    const double a = static_cast<double>(mean_before(p));
+    const double b = static_cast<double>(mean_now(q));
+    if (std::min(a, b) > kDark && std::max(a, b) < kBright) ratios.push_back(std::log(b / a));
+  }
+  if (ratios.size() < kFewest) return std::nullopt;
+  return quantile(std::move(ratios), 0.5);
+}
+
 /// Motion as an affine function of the place, least squares without what fits badly.
 /// Columns: x, y; rows: constant, per column, per row of the image.
 Eigen::Matrix<double, 3, 2> fitAffine(const Matches& matches, cv::Point2d centre) {
@@ -149,6 +173,7 @@ std::optional<MotionFacts> MotionMeter::add(const cv::Mat1f& grey) {
   facts.length = scale * quantile(std::move(lengths), 0.5);
   facts.shear_x = affine(2, 0) + affine(1, 1);  // a turn about the optical axis has them equal and opposite
   facts.shear_y = affine(2, 1) - affine(1, 0);  // an approach has them equal
+  facts.brighter = brightening(before, now, matches);
   facts.flow = {scale * affine(0, 0), scale * affine(0, 1)};
   return facts;
 }

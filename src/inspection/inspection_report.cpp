@@ -21,7 +21,7 @@ void printFindings(std::vector<Finding> findings, std::ostream& out) {
 
 void printCommands(const Commands& commands, std::ostream& out) {
   if (!commands.options_yaml.empty()) {
-    out << "  options.yaml, if these guesses are right:\n    image:\n";
+    out << "  options.yaml, if that is right:\n    image:\n";
     for (const std::string& line : commands.options_yaml) out << "      " << line << "\n";
   }
   if (!commands.lines.empty()) out << "  to run it:\n";

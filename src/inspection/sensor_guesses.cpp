@@ -74,16 +74,13 @@ std::vector<Finding> guessSensor(const CameraFacts& facts) {
                         "a guess: where the motion changes, lower rows see it sooner or later (" +
                             number(std::abs(row_time->seconds) / row_time->sigma, 2) + " standard deviations)"});
   }
-  if (facts.jpeg) {
-    findings.push_back(
-        {Check::kGamma, "a guess: images are JPEG, and cameras that send these mostly have a gamma of about 2.2"});
-  }
   return findings;
 }
 
 std::vector<Finding> judge(const CameraFacts& facts) {
   std::vector<Finding> all = judgeCalibration(facts);
-  for (const auto& some : {judgeStamps(facts.images), judgeImages(facts), judgeExposures(facts), guessSensor(facts)}) {
+  for (const auto& some : {judgeStamps(facts.images), judgeImages(facts), judgeExposures(facts), judgeResponse(facts),
+                           guessSensor(facts)}) {
     all.insert(all.end(), some.begin(), some.end());
   }
   return all;

@@ -16,6 +16,7 @@
 #include "mba_vo/inspection/camera_inspection.h"
 #include "mba_vo/inspection/judgements.h"
 #include "mba_vo/ros/camera_info.h"
+#include "mba_vo/ros/compressed_image.h"
 #include "mba_vo/ros/conversions.h"
 #include "mba_vo/ros/image_conversion.h"
 
@@ -140,7 +141,7 @@ class BagCamera {
         seen.encoding = compressed->format;
         if (compressed->format.find("jp") != std::string::npos) camera_.setJpeg();
         if (endsEarly(*compressed)) throw std::invalid_argument("the compressed image ends too early");
-        pixels = cv_bridge::toCvCopy(compressed);
+        pixels = toCvImage(decodeImage(*compressed));
       }
       if (pixels) seen.image = pixels->image;
     } catch (const rosbag::BagException&) {

@@ -86,6 +86,22 @@ TEST_F(RepeatDetectorTest, NorIfTheyComeCompressed) {
 
 TEST_F(RepeatDetectorTest, SlowMotionIsNone) { walk(50, 0.05); }
 
+/// As fine as pixels can show: its differences average out over squares, like noise.
+TEST_F(RepeatDetectorTest, FineStrongTextureThatSlowsDownIsNone) {
+  cv::Mat1f texture(kHeight, 2 * kWidth);
+  rng_.fill(texture, cv::RNG::NORMAL, 120.0, 80.0);
+  cv::GaussianBlur(texture, texture, {}, 0.6);
+  double shift = 0.0;
+  for (int i = 0; i < 40; ++i) {
+    shift += i % 20 < 10 ? 4.0 : 0.15;
+    cv::Mat1f moved;
+    cv::warpAffine(texture, moved, cv::Matx23d(1.0, 0.0, -shift, 0.0, 1.0, 0.0), {kWidth, kHeight}, cv::INTER_CUBIC);
+    cv::Mat1b image;
+    moved.convertTo(image, CV_8U);
+    EXPECT_FALSE(detector_.isRepeat(image)) << i;
+  }
+}
+
 TEST_F(RepeatDetectorTest, ACameraThatStopsIsSoonKnownToStand) {
   const double shift = walk(10, 2.0);
   int repeats = 0;

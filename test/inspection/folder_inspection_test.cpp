@@ -10,8 +10,10 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "datasets/miniature.h"
 #include "io/temporary_folder.h"
 #include "mba_vo/inspection/camera_inspection.h"
+#include "mba_vo/inspection/judgements.h"
 #include "mba_vo/io/camera_yaml.h"
 
 namespace mba_vo {
@@ -60,8 +62,10 @@ class FolderInspectionTest : public ::testing::Test {
   std::string folder() const { return std::filesystem::path(path("times.txt")).parent_path().string(); }
 
   /// Names of what is found, and the exit status.
-  std::string inspect() const {
-    const InspectionReport report = inspectFolder(folder(), "images", [](std::size_t, std::size_t) {});
+  std::string inspect() const { return namesIn(folder()); }
+
+  static std::string namesIn(const std::string& folder) {
+    const InspectionReport report = inspectFolder(folder, {}, [](std::size_t, std::size_t) {});
     std::string text;
     const auto append = [&](const std::vector<Finding>& findings) {
       for (const Finding& finding : findings) text += std::string(textOf(finding.check).name) + " ";
@@ -76,7 +80,7 @@ class FolderInspectionTest : public ::testing::Test {
 
 TEST_F(FolderInspectionTest, NothingIsWrongWithAGoodFolderAndItsCommandIsTold) {
   EXPECT_EQ(inspect(), "0");
-  const InspectionReport report = inspectFolder(folder(), "images", [](std::size_t, std::size_t) {});
+  const InspectionReport report = inspectFolder(folder(), {}, [](std::size_t, std::size_t) {});
   std::ostringstream text;
   print(report, text);
   EXPECT_NE(text.str().find("rosrun mba_vo mba_vo_offline " + folder() + " --output"), std::string::npos);
@@ -98,6 +102,73 @@ TEST_F(FolderInspectionTest, DoesNotStopAtTheFirstThingThatIsWrong) {
 TEST_F(FolderInspectionTest, WithoutImagesThereIsNothingToLookAt) {
   std::filesystem::remove_all(path("images"));
   EXPECT_EQ(inspect(), "no-images 2");
+}
+
+/// Of what is in the miniatures, of one grey level and with hardly an image, this much may be said.
+TEST_F(FolderInspectionTest, DataSetsOfEveryFormAreLookedAt) {
+  const auto look = [&](const char* name, const auto& write) {
+    write(folder_, name);
+    const InspectionReport report = inspectFolder(path(name), {}, [](std::size_t, std::size_t) {});
+    EXPECT_EQ(report.cameras.size(), 1U) << name;
+    if (report.cameras.empty()) return std::string();
+    const CameraFacts& facts = report.cameras.front().facts;
+    return report.contents.at(0) + ", " + std::to_string(facts.images.size()) + " images, " +
+           std::to_string(facts.exposures.size()) + " exposures, fx " +
+           std::to_string(static_cast<int>(facts.calibration->fx)) + (facts.response_known ? ", response" : "");
+  };
+  EXPECT_EQ(look("tum", writeTumRgbd), "form: TUM RGB-D, 3 images, 0 exposures, fx 517");
+  EXPECT_EQ(look("eth3d", writeEth3d), "form: ETH3D SLAM, 2 images, 0 exposures, fx 726");
+  EXPECT_EQ(look("euroc", writeEuroc), "form: EuRoC (ASL), 2 images, 0 exposures, fx 458");
+  EXPECT_EQ(look("tumvi", writeTumVi), "form: TUM-VI, 3 images, 2 exposures, fx 190, response");
+  EXPECT_EQ(look("seven", writeSevenScenes), "form: 7-Scenes, 3 images, 0 exposures, fx 525");
+  writeTumMono(folder_, "mono");
+  const InspectionReport mono = inspectFolder(path("mono"), {}, [](std::size_t, std::size_t) {});
+  EXPECT_TRUE(mono.cameras.at(0).facts.response_known);
+  EXPECT_EQ(mono.cameras.at(0).facts.images.size(), 3U);
+  EXPECT_EQ(namesIn(path("mono")).find("gamma"), std::string::npos) << "its JPEG come with a response";
+}
+
+TEST_F(FolderInspectionTest, OfADataSetTheFileThatIsMissingIsNamed) {
+  writeEuroc(folder_, "euroc");
+  std::filesystem::remove(path("euroc/mav0/cam0/sensor.yaml"));
+  const InspectionReport report = inspectFolder(path("euroc"), {}, [](std::size_t, std::size_t) {});
+  EXPECT_EQ(exitStatus(report), 2);
+  ASSERT_EQ(report.findings.size(), 1U);
+  EXPECT_EQ(report.findings[0].check, Check::kBadFolder);
+  EXPECT_NE(report.findings[0].what.find("sensor.yaml"), std::string::npos) << report.findings[0].what;
+  std::filesystem::create_directories(path("nothing"));
+  EXPECT_EQ(namesIn(path("nothing")), "bad-folder 2");
+}
+
+TEST_F(FolderInspectionTest, AnImageOfAnotherSizeEndsADataSet) {
+  writeEth3d(folder_, "eth3d");
+  writeImage(folder_, "eth3d/rgb/5455.220805.png", {8, 8}, 60);
+  const InspectionReport report = inspectFolder(path("eth3d"), {}, [](std::size_t, std::size_t) {});
+  EXPECT_EQ(exitStatus(report), 1);
+  EXPECT_EQ(report.cameras.at(0).facts.images.size(), 1U) << "what was read is told all the same";
+  EXPECT_NE(report.findings.at(0).what.find("5455.220805.png: image is 8x8"), std::string::npos);
+}
+
+TEST(CameraInspection, ExposuresThatChangeTellTheResponse) {
+  for (const double gamma : {1.0, 2.2}) {
+    CameraInspection camera;
+    camera.setJpeg();
+    for (int i = 0; i < kImages; ++i) {
+      const double factor = 1.0 + 0.3 * (i % 3 - 1);  // 0.7 to 1.3
+      cv::Mat1d light;
+      view(i).convertTo(light, CV_64F, factor / 255.0 / 1.4);
+      cv::pow(light, 1.0 / gamma, light);
+      cv::Mat1b image;
+      light.convertTo(image, CV_8U, 255.0);
+      const std::int64_t stamp = (i + 1) * 40'000'000LL;
+      camera.add({stamp, image, "jpeg", "", false});
+      camera.addExposure(stamp, 0.01 * factor);
+    }
+    const auto response = measureResponse(camera.facts());
+    ASSERT_TRUE(response) << gamma;
+    EXPECT_NEAR(response->power, 1.0 / gamma, 0.03);
+    EXPECT_EQ(judgeResponse(camera.facts()).size(), gamma == 1.0 ? 0U : 1U);
+  }
 }
 
 TEST(CameraInspection, BlurTakesAwayTheDetail) {

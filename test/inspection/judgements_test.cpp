@@ -189,6 +189,27 @@ TEST(Judgements, CalibrationAgainstImages) {
             "image-size-changes");
 }
 
+TEST(Judgements, GammaIsMeasuredOrNotKnown) {
+  const auto camera = [](double power, double change) {
+    return changed([&](CameraFacts& facts) {
+      for (std::size_t i = 0; i < facts.images.size(); ++i) {
+        facts.exposures[i].seconds *= i % 2 == 0 ? 1.0 : std::exp(change);
+        facts.images[i].motion = MotionFacts();
+        facts.images[i].motion->brighter = (i % 2 == 0 ? -1.0 : 1.0) * power * change + (i % 3 == 0 ? 1e-3 : -1e-3);
+      }
+      facts.jpeg = true;
+    });
+  };
+  EXPECT_EQ(names(camera(1.0, 0.2)), "") << "linear, though it is JPEG";
+  EXPECT_NE(whatOf(camera(1.0 / 2.2, 0.2), Check::kGamma).find("a gamma of 2.2"), std::string::npos);
+  for (const CameraFacts& unknown : {camera(0.5, 0.0), camera(0.0, 0.2)}) {  // the same exposures; automatic gain
+    EXPECT_NE(whatOf(unknown, Check::kGamma).find("not known"), std::string::npos);
+  }
+  CameraFacts known = camera(0.5, 0.2);
+  known.response_known = true;
+  EXPECT_EQ(names(known), "");
+}
+
 /// Motion of a shaken camera whose rows are `row_time` apart, and some shear by depths that goes with the velocity.
 std::vector<ImageFacts> shakenImages(double row_time) {
   std::vector<ImageFacts> images = goodCamera(200).images;

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""What play_bag and the launch file say about bags that cannot be played, without a ROS master."""
+"""What play_bag and the launch files say about bags that cannot be played, and cameras that are not there."""
 import os
+import socket
 import subprocess
 import sys
 import tempfile
@@ -56,6 +57,17 @@ class BadBags(unittest.TestCase):
                                       ("demo.launch", "a b.bag", self.folder + "/a b.bag")):
             shown = self.run_in_folder("roslaunch", "--args", "/mba_vo/player", "mba_vo", launch, "bag:=" + bag)
             self.assertIn(" %s __name:=player" % expected, shown.stdout)
+
+    def test_a_device_that_is_not_there_ends_the_launch_and_nothing_else(self):
+        with socket.socket() as listener:
+            listener.bind(("127.0.0.1", 0))
+            port = str(listener.getsockname()[1])
+        for _ in range(2):  # `nodelet manager` ended with boost::lock_error in seven of eight
+            said = self.run_in_folder("roslaunch", "-p", port, "mba_vo", "webcam.launch", "rviz:=false",
+                                      "device:=/dev/video99").stdout
+            self.assertIn("/dev/video99: no such device", said)
+            self.assertIn("REQUIRED process [camera-", said)
+            self.assertNotIn("terminate called", said)
 
 
 if __name__ == "__main__":

@@ -28,6 +28,10 @@ struct Dataset {
   void configure(FrameBuilderConfig& config) const;
 };
 
+/// Whether openDataset takes it for a sequence folder or TUM-mono, which is one, whatever is wrong with it. Throws
+/// std::runtime_error if there is no such folder.
+bool isSequenceFolder(const std::string& folder, const std::string& images);
+
 /// Opens the folder of a recording; of which form it is shows when one looks at it:
 ///   - sequence folder of this project, and TUM-mono (images, times.txt and a camera file);
 ///   - TUM RGB-D (rgb.txt; calibration by the name: fr1, fr2, fr3) and ETH3D SLAM (rgb.txt, calibration.txt);

@@ -29,6 +29,9 @@ struct MotionFacts {
   double shear_x = 0.0;
   double shear_y = 0.0;
   cv::Point2d flow;  // mean [px]
+  /// By how much the points became brighter: logarithm of the median ratio, as recorded. Nullopt where too few of them
+  /// are neither dark nor white.
+  std::optional<double> brighter;
 };
 
 struct ImageFacts {
@@ -53,8 +56,9 @@ struct CameraFacts {
   std::vector<ExposureFacts> exposures;  // the same
   bool tells_exposure = false;           // whether anything in the recording could tell it
   std::optional<CameraCalibration> calibration;
-  bool jpeg = false;         // images were compressed so
-  double white_level = 0.0;  // of 16-bit images [digital numbers]; 0 = there are none
+  bool jpeg = false;            // images were compressed so
+  bool response_known = false;  // the recording tells how grey values follow the light
+  double white_level = 0.0;     // of 16-bit images [digital numbers]; 0 = there are none
 };
 
 /// From image to image, by the median of pairs of intervals [s]; 0 if no stamps increase.
@@ -65,6 +69,18 @@ double quantile(std::vector<double> values, double q);
 
 /// Way of the points of an image within its exposure, the median over the images [px]; 0 if it cannot be told.
 double usualBlur(const CameraFacts& facts);
+
+/// The exposure that is nearest to an image in time.
+struct MatchedExposure {
+  double seconds = 0.0;        // as told; NaN = unknown, or it is not that of the image
+  std::int64_t offset_ns = 0;  // its stamp minus the image's
+};
+
+/// Between an exposure's stamp and its image's, as in the nodes.
+inline constexpr std::int64_t kMatchingStampsNs = 500'000;
+
+/// One for each image; none if there are no exposures.
+std::vector<MatchedExposure> matchExposures(const CameraFacts& facts);
 
 /// Median of the exposures that are known and positive [s], as told; 0 if there is none.
 double usualExposure(const std::vector<ExposureFacts>& exposures);

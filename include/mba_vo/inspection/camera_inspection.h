@@ -29,6 +29,7 @@ class CameraInspection {
   void add(const SeenImage& seen);
   void addExposure(std::int64_t stamp_ns, double seconds) { facts_.exposures.push_back({stamp_ns, seconds}); }
   void setCalibration(const CameraCalibration& calibration) { facts_.calibration = calibration; }
+  void setResponseKnown() { facts_.response_known = true; }
   void setJpeg() { facts_.jpeg = true; }
 
   const CameraFacts& facts() const { return facts_; }

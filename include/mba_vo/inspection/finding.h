@@ -8,6 +8,7 @@ namespace mba_vo {
 /// All that can be found in a recording. docs/checks.md explains each by its name.
 enum class Check {
   kNotABag,
+  kBadFolder,
   kNeedsReindex,
   kDamagedBag,
   kNoImages,

@@ -17,6 +17,8 @@ struct CameraSource {
   std::string camera_info;       // topic
   std::string exposure;          // topic
   std::string images_subfolder;  // of a folder
+  std::string camera;            // of several, of a folder
+  std::string calibration_file;  // in place of the recording's own
   bool compressed = false;       // image is a topic of sensor_msgs/CompressedImage
 };
 

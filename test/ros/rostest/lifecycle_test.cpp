@@ -1,5 +1,6 @@
 // What happens to nodes in a robot's life: they are reset, killed and started again, bags are looped, paused and played
 // at any speed, and a second camera comes into the same process.
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <filesystem>
@@ -46,12 +47,14 @@ const Recording& recording() {
 /// A camera and the nodelets, in namespaces of their own.
 class Robot {
  public:
-  explicit Robot(const std::string& name, const std::shared_ptr<nodelet::Loader>& manager = nullptr)
+  explicit Robot(const std::string& name, const std::shared_ptr<nodelet::Loader>& manager = nullptr,
+                 const std::string& transport = "raw")
       : folder_((std::filesystem::temp_directory_path() / ("mba_vo_lifecycle_" + name)).string()) {
     std::filesystem::remove_all(folder_);
     ros::NodeHandle parameters("/" + name);
     parameters.setParam("extrinsic_wait", 0.0);
     parameters.setParam("path_period", 0.0);
+    parameters.setParam("image_transport", transport);
     parameters.setParam("output_directory", folder_);
     for (const char* frame : {"map", "odom", "base", "exposure_start", "exposure_end"}) {
       parameters.setParam(std::string(frame) + "_frame", name + "_" + frame);
@@ -70,7 +73,8 @@ class Robot {
     };
     subscribers_ = {parameters.subscribe<TrackedFrameMessage>("tracked_frame", 1000, on_frame),
                     parameters.subscribe<nav_msgs::Path>("path", 1000, on_path)};
-    camera = std::make_unique<SequenceCamera>("/" + name + "_camera", recording().images, recording().calibration);
+    camera = std::make_unique<SequenceCamera>("/" + name + "_camera", recording().images, recording().calibration,
+                                              transport);
   }
   ~Robot() {
     odometry.reset();
@@ -264,6 +268,33 @@ TEST(Lifecycle, TwoCamerasInOneManager) {
   ASSERT_TRUE(left.odometry->waitFor([](const Outputs& o) { return o.status.back()->resets == 1; }, kTimeout));
   EXPECT_EQ(right.odometry->status().resets, 0U);
   EXPECT_EQ(right.odometry->status().state, Status::TRACKING);
+}
+
+/// Images come one at a time, so both runs do the same in the same order, but for a map that comes an image later on a
+/// busy machine.
+TEST(Lifecycle, ImagesThatWereCompressedWithoutLossGiveTheTrajectoryOfTheOriginals) {
+  std::vector<std::vector<PoseRecord>> trajectories;
+  for (const char* transport : {"raw", "compressed"}) {
+    Robot robot(std::string("sends_") + transport, nullptr, transport);
+    robot.see(0, 2 * kUntilMap);
+    ASSERT_TRUE(robot.isDone(2 * kUntilMap));
+    ASSERT_TRUE(robot.becomesTracking());
+    EXPECT_EQ(robot.odometry->status().frames_rejected, 0U);
+    EXPECT_EQ(robot.odometry->status().exposure_source, "topic");
+    ASSERT_TRUE(robot.odometry->saveTrajectory());
+    trajectories.push_back(readPoseFile(robot.file("trajectory.txt")));
+  }
+  const std::vector<PoseRecord>& raw = trajectories[0];
+  const std::vector<PoseRecord>& compressed = trajectories[1];
+  ASSERT_EQ(compressed.size(), raw.size());
+  ASSERT_GT(raw.size(), kUntilMap);
+  double largest = 0.0;
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    EXPECT_EQ(compressed[i].time, raw[i].time);
+    largest = std::max(largest, (raw[i].T_world_camera.inverse() * compressed[i].T_world_camera).log().norm());
+  }
+  EXPECT_LT(largest, 1e-3) << "the room is about 1 unit deep";
+  RecordProperty("largest_difference", std::to_string(largest));
 }
 
 TEST(Lifecycle, NoPoseIsNoSuccess) {

@@ -3,6 +3,7 @@
 #include <cv_bridge/cv_bridge.h>
 #include <mba_vo/ExposureStamped.h>
 #include <rosgraph_msgs/Clock.h>
+#include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/image_encodings.h>
 
@@ -12,11 +13,13 @@
 namespace mba_vo {
 
 SequenceCamera::SequenceCamera(const std::string& ns, const std::vector<CameraImage>& images,
-                               const CameraCalibration& calibration)
+                               const CameraCalibration& calibration, const std::string& transport)
     : images_(images),
+      compressed_(transport == "compressed"),
       info_(cameraInfoFromCalibration(calibration)),
       nh_(ns),
-      image_publisher_(nh_.advertise<sensor_msgs::Image>("image_raw", 100)),
+      image_publisher_(compressed_ ? nh_.advertise<sensor_msgs::CompressedImage>("image_raw/compressed", 100)
+                                   : nh_.advertise<sensor_msgs::Image>("image_raw", 100)),
       info_publisher_(nh_.advertise<sensor_msgs::CameraInfo>("camera_info", 100)),
       exposure_publisher_(nh_.advertise<ExposureStamped>("exposure", 100)),
       clock_publisher_(nh_.advertise<rosgraph_msgs::Clock>("/clock", 100)) {}
@@ -43,8 +46,12 @@ void SequenceCamera::send(std::size_t index) {
   exposure.header = info_.header;
   exposure.exposure_time = exposureToMessage(image.exposure);
   exposure_publisher_.publish(exposure);
-  image_publisher_.publish(
-      cv_bridge::CvImage(info_.header, sensor_msgs::image_encodings::MONO8, image.image).toImageMsg());
+  const cv_bridge::CvImage message(info_.header, sensor_msgs::image_encodings::MONO8, image.image);
+  if (compressed_) {
+    image_publisher_.publish(message.toCompressedImageMsg(cv_bridge::PNG));
+  } else {
+    image_publisher_.publish(message.toImageMsg());
+  }
   ++sent_;
 }
 

@@ -14,8 +14,9 @@ namespace mba_vo {
 /// The images of a recording, published one by one as by a camera, with the simulated clock.
 class SequenceCamera {
  public:
-  /// `ns`: namespace of its topics.
-  SequenceCamera(const std::string& ns, const std::vector<CameraImage>& images, const CameraCalibration& calibration);
+  /// `ns`: namespace of its topics. `transport`: "raw", or "compressed": without loss, on image_raw/compressed.
+  SequenceCamera(const std::string& ns, const std::vector<CameraImage>& images, const CameraCalibration& calibration,
+                 const std::string& transport = "raw");
 
   /// Waits until somebody reads all topics; false after `timeout` [s].
   bool waitForReaders(double timeout) const;
@@ -25,6 +26,7 @@ class SequenceCamera {
 
  private:
   const std::vector<CameraImage>& images_;
+  bool compressed_;
   sensor_msgs::CameraInfo info_;
   ros::NodeHandle nh_;
   ros::Publisher image_publisher_, info_publisher_, exposure_publisher_, clock_publisher_;
