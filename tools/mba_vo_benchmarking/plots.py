@@ -28,7 +28,8 @@ def ate_against_blur(curves):
     axes.set_xlabel("blur that 90 % of the images stay below [px]")
     axes.set_ylabel("published ATE of 5 s [cm]")
     axes.grid(True, which="both", alpha=0.3)
-    axes.legend()
+    if axes.lines:
+        axes.legend()
     figure.tight_layout()
     text = io.StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None})

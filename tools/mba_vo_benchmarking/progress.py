@@ -9,7 +9,7 @@ class Progress:
     def __init__(self, describe, stream=sys.stderr):
         """`describe(task)`: what a task that ended has found, in a few words."""
         self._describe, self._stream, self._terminal = describe, stream, stream.isatty()
-        self.period = 1.0 if self._terminal else 60.0  # [s] between two looks at the clock
+        self.period = 1.0  # [s] between two looks at the clock
         self._total = self._todo = self._done = 0
         self._jobs, self._began = 1, time.monotonic()
 
