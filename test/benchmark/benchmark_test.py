@@ -78,6 +78,10 @@ class ExperimentFiles(InFolder):
         self.assertEqual(read.others, {"DSO": {"short": self.folder / "dso.txt"}})
         self.assertEqual(experiment.merged(long.config, read.variants[0].config), {"tracker": {"levels": 3, "other": 1}})
 
+    def test_the_last_of_equal_options_counts(self):
+        self.assertEqual(experiment.options_of(["--live", "--exposure", "auto"], ["--skip=3"], ["--exposure", "0"]),
+                         ["--live", "--exposure", "0", "--skip", "3"])
+
     def test_shipped_experiments_are_right(self):
         files = sorted((CONFIG / "experiments").glob("*.yaml"))
         table = CONFIG / "experiments" / "published.yaml"

@@ -90,6 +90,8 @@ def _check_name(node, name):
 
 def _options(keys):
     words = keys["options"].words() if "options" in keys else []
+    if words and not words[0].startswith("--"):
+        raise keys["options"].error("options that begin with --")
     for word in words:
         if word.split("=")[0] in OURS:
             raise keys["options"].error("without %s, which the benchmark sets itself" % word.split("=")[0])
@@ -124,6 +126,18 @@ def _others(node, folder, sequences):
         _check_name(files, system)
         others[system] = {name: folder / file.text() for name, file in files.mapping(sorted(sequences)).items()}
     return others
+
+
+def options_of(*levels):
+    """Options of several levels in one; of options that are there twice the last one counts."""
+    groups = {}
+    for word in (word for level in levels for word in level):
+        if word.startswith("--"):
+            name, equals, value = word.partition("=")
+            groups[name] = [value] if equals else []
+        elif groups:
+            groups[name].append(word)
+    return [word for name, values in groups.items() for word in [name, *values]]
 
 
 def merged(below, above):

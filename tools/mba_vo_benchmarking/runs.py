@@ -58,9 +58,9 @@ def _slug(text):
 
 def _ours(experiment, sequence, variant, start, programs, output):
     config = experiments.merged(sequence.config, variant.config)
-    options = [*experiment.options, *sequence.options, *variant.options]
+    options = experiments.options_of(experiment.options, sequence.options, variant.options)
     # --images names sharp ones as a rule, whose blur is none
-    cut = [] if any(word.split("=")[0] == "--images" for word in options) else pieces.of_sequence(sequence.path)
+    cut = [] if "--images" in options else pieces.of_sequence(sequence.path)
 
     def prepare(folder):
         if config:
