@@ -12,7 +12,7 @@ th { background: #f2f4f7; white-space: normal; vertical-align: bottom } td:first
 .plots { display: flex; flex-wrap: wrap; gap: 1em } figure { margin: 0; width: 30em } img { width: 100% }
 svg { max-width: 100%; height: auto } pre { background: #f2f4f7; padding: .6em; overflow-x: auto }
 """
-PLOT_NOTE = "Of the starts the one in the middle. Black: the truth; red: published, or another system; blue: smoothed."
+PLOT_NOTE = "Of the starts the one in the middle. Grey: the truth; red: published, or another system; blue: smoothed."
 FILES = ("results.md", "results.html", "ate_against_blur.svg")
 
 
