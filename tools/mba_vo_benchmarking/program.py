@@ -93,7 +93,7 @@ def _arguments(words):
     return arguments
 
 
-def _run(arguments, beside):
+def _run(arguments, beside, stopped):
     experiment = experiments.load(arguments.file, arguments.data)
     output = pathlib.Path(arguments.output or pathlib.Path("output", "benchmark", pathlib.Path(arguments.file).stem)).resolve()
     missing = runs.missing(experiment)
@@ -106,23 +106,21 @@ def _run(arguments, beside):
     with _locked(output):
         remove_leftovers(output / "runs")
         found = runs.of_experiment(experiment, programs, output)
-        Scheduler(cores, arguments.jobs or len(cores), experiment.time_limit, Progress(_describe)).run([run.task for run in found])
+        scheduler = Scheduler(cores, arguments.jobs or len(cores), experiment.time_limit, Progress(_describe), stopped)
+        scheduler.run([run.task for run in found])
         _write_all(results.Results(experiment, found, missing), "mba_vo_benchmark %s" % arguments.file, output)
     failed = sum(run.reason is not None for run in found)
     print("%d runs, %d failed: %s" % (len(found), failed, output / "results.html"))
     return 1 if failed == len(found) else 0
 
 
-def _interrupted(number, _):
-    raise KeyboardInterrupt("signal %d" % number)
-
-
 def main(words, beside):
     """Exit status: 0 if at least one run succeeded, 1 with a message, 130 if interrupted."""
+    signals = []
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, _interrupted)
+        signal.signal(number, lambda arrived, _: signals.append(arrived))
     try:
-        return _run(_arguments(words), beside)
+        return _run(_arguments(words), beside, lambda: bool(signals))
     except BenchmarkError as error:
         print("mba_vo_benchmark: %s" % error, file=sys.stderr)
         return 1

@@ -71,7 +71,10 @@ class _Attempt:
 
 
 class Scheduler:
-    def __init__(self, cores, jobs, time_limit, progress):
+    """`stopped()` is asked between steps: an exception in the midst of them could leave a process behind."""
+
+    def __init__(self, cores, jobs, time_limit, progress, stopped):
+        self._stopped = stopped
         self._cores, self._jobs, self._time_limit, self._progress = cores, jobs, time_limit, progress
 
     def run(self, tasks):
@@ -91,6 +94,8 @@ class Scheduler:
         todo, free, attempts, waiter = list(todo), list(range(slots)), {}, Waiter()
         try:
             while todo or attempts:
+                if self._stopped():
+                    raise KeyboardInterrupt
                 while todo and free:
                     slot = free.pop(0)
                     attempt = _Attempt(todo.pop(0), self._cores_of(slot, slots), number)
