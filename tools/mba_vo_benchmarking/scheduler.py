@@ -124,7 +124,7 @@ class Scheduler:
         return True
 
     def _took_too_long(self, attempt, waiter):
-        if attempt.task.record is not None or time.monotonic() - attempt.began < self._time_limit:
+        if time.monotonic() - attempt.began < self._time_limit:
             return False
         waiter.remove(attempt.running)
         attempt.running.kill()
