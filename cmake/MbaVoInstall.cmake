@@ -34,6 +34,8 @@ else()
   export(TARGETS ${modules} NAMESPACE ${PROJECT_NAME}:: FILE ${devel_config}/${PROJECT_NAME}Targets.cmake)
 endif()
 
+install(PROGRAMS tools/mba_vo_benchmark DESTINATION ${program_destination})
+install(DIRECTORY tools/mba_vo_benchmarking DESTINATION ${program_destination} FILES_MATCHING PATTERN "*.py")  # found beside it
 if(programs)
   install(TARGETS ${programs} RUNTIME DESTINATION ${program_destination})
 endif()

@@ -29,6 +29,12 @@ foreach(program mba_vo_calibrate mba_vo_offline)  # that read any recording
   target_include_directories(${program} PRIVATE tools/common)
 endforeach()
 
+# In Python, with python3-yaml and, for pictures, python3-matplotlib.
+if(MBA_VO_TESTS)
+  add_test(NAME mba_vo_benchmark COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/benchmark/benchmark_test.py)
+  set_tests_properties(mba_vo_benchmark PROPERTIES TIMEOUT 300)
+endif()
+
 # A program called with these arguments must say what matches the regular expression.
 function(mba_vo_tool_test name program expected)
   if(MBA_VO_TESTS AND TARGET ${program})

@@ -1,0 +1,92 @@
+#!/usr/bin/env bash
+# The blur benchmark: renders a room around each recorded motion with exposures from 0 to 30 ms, global and rolling shutter,
+# and runs mba_vo_benchmark over them, with the blur model and without it (docs/benchmark.md).
+#
+#   scripts/blur_benchmark.sh [--motions DIR] [--output DIR] [--large] [--seed N] [--starts LIST] [--bin DIR] [--render-only]
+#                             [MOTION...]
+#
+#   --motions DIR   folder with the recorded motions, t tx ty tz qx qy qz qw (../shared/motions)
+#   --output DIR    folder for sequences and results (output/blur_benchmark); sequences found there are used again
+#   --large         752x480, 10 s, exposures 0 5 10 20 30 ms with both shutters; the small edition has 376x240, 5 s,
+#                   0 10 20 30 ms with a global and 0 20 ms with a rolling shutter
+#   --seed N        of the rooms (60)
+#   --starts LIST   images to leave out at the beginning ("0, 10, 20")
+#   --bin DIR       folder of the programs (devel/lib/mba_vo)
+#   --render-only   makes the sequences and the experiment file, for other systems to run on
+#   MOTION          names of files without .txt (all of the folder)
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+motions=../shared/motions
+output=output/blur_benchmark
+large=false
+seed=60
+starts="0, 10, 20"
+bin=devel/lib/mba_vo
+render_only=false
+names=()
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --motions) motions=${2:?--motions needs a folder}; shift ;;
+    --output) output=${2:?--output needs a folder}; shift ;;
+    --large) large=true ;;
+    --seed) seed=${2:?--seed needs a number}; shift ;;
+    --starts) starts=${2:?--starts needs a list of numbers}; shift ;;
+    --bin) bin=${2:?--bin needs a folder}; shift ;;
+    --render-only) render_only=true ;;
+    -h | --help) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
+    -*) echo "blur_benchmark.sh: '$1'? --help tells the options" >&2; exit 2 ;;
+    *) names+=("$1") ;;
+  esac
+  shift
+done
+if [ ${#names[@]} -eq 0 ]; then
+  for file in "$motions"/*.txt; do names+=("$(basename "$file" .txt)"); done
+fi
+
+if $large; then
+  camera=(--width 752 --height 480 --fx 430 --duration 10)
+  row_time=0.00005  # 480 rows in 24 ms [s]
+  takes=(global-0 global-5 global-10 global-20 global-30 rolling-0 rolling-5 rolling-10 rolling-20 rolling-30)
+else
+  camera=(--width 376 --height 240 --fx 215 --duration 5)
+  row_time=0.0001
+  takes=(global-0 global-10 global-20 global-30 rolling-0 rolling-20)
+fi
+start=10  # where a motion is entered [s]: the first seconds are often still
+
+# render MOTION TAKE SCENE_SEED: TAKE is the shutter and the exposure [ms]
+render() {
+  local folder=$output/sequences/$1-$2 shutter=()
+  if [ -s "$folder/blur_px.txt" ]; then return 0; fi  # the last thing to be written
+  if [[ $2 = rolling-* ]]; then shutter=(--row-time "$row_time"); fi
+  "$bin/mba_vo_simulate" --motion "$motions/$1.txt" --start "$start" --scene-seed "$3" "${camera[@]}" "${shutter[@]}" \
+    --exposure "$(awk -v ms="${2#*-}" 'BEGIN { print ms / 1000 }')" --max-step 1 --no-cache --overwrite --output "$folder" >/dev/null
+}
+
+# entry MOTION TAKE: of the experiment file. A time of 0 means unknown in times.txt, so exposures of 0 are told
+entry() {
+  local options=""
+  if [[ $2 = *-0 ]]; then options="--exposure 0"; fi
+  if [[ $2 = rolling-* ]]; then options="$options --row-time $row_time"; fi
+  echo "  $1-$2: {path: $1-$2, options: \"$options\"}"
+}
+
+mkdir -p "$output/sequences"
+index=0
+for name in "${names[@]}"; do
+  for take in "${takes[@]}"; do
+    echo "rendering $name-$take"
+    render "$name" "$take" $((seed + index))
+  done
+  index=$((index + 1))
+done
+{
+  printf 'title: Blur benchmark, rooms from seed %d\ndata: sequences\nstarts: [%s]\nsequences:\n' "$seed" "$starts"
+  for name in "${names[@]}"; do
+    for take in "${takes[@]}"; do entry "$name" "$take"; done
+  done
+  printf 'variants:\n  blur model: {}\n  no blur model: {options: --exposure 0}\n'
+} >"$output/experiment.yaml"
+if $render_only; then exit 0; fi
+tools/mba_vo_benchmark "$output/experiment.yaml" --bin "$bin" --output "$output/results"

@@ -1,0 +1,313 @@
+#!/usr/bin/python3
+"""mba_vo_benchmark with programs that stand in for the real ones."""
+import json
+import math
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import textwrap
+import threading
+import unittest
+
+FOLDER = pathlib.Path(__file__).resolve().parent
+TOOLS = FOLDER.parents[1] / "tools"
+CONFIG = FOLDER.parents[1] / "config"
+sys.dont_write_bytecode = True
+sys.path[:0] = [str(TOOLS), str(FOLDER)]
+from fakes import Fakes, alive, files_below  # noqa: E402
+from mba_vo_benchmarking import experiment, figures, page_tables, pieces, published, tables  # noqa: E402
+from mba_vo_benchmarking.errors import BenchmarkError  # noqa: E402
+
+
+class InFolder(unittest.TestCase):
+    def setUp(self):
+        self._temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(self._temporary.cleanup)
+        self.folder = pathlib.Path(self._temporary.name)
+
+    def write(self, text, name="experiment.yaml"):
+        file = self.folder / name
+        file.write_text(textwrap.dedent(text))
+        return file
+
+
+class ExperimentFiles(InFolder):
+    def assert_says(self, text, *words):
+        with self.assertRaises(BenchmarkError) as caught:
+            experiment.load(self.write(text))
+        for word in ("experiment.yaml", *words):
+            self.assertIn(word, str(caught.exception))
+
+    def test_says_what_is_wrong(self):
+        self.assert_says("sequence: {a: b}", "sequence", "no such key", "sequences")
+        self.assert_says("title: x", "sequences", "missing")
+        self.assert_says("sequences: {a: {pth: b}}", "sequences.a.pth", "allowed: path")
+        self.assert_says("sequences: {a: {options: --live}}", "sequences.a.path", "missing")
+        self.assert_says("sequences: {a: {path: 3}}", "sequences.a.path", "'3'", "must be text")
+        self.assert_says("sequences: {a: b}\nstarts: [0, -5]", "starts[1]", "'-5'", "0 or more")
+        self.assert_says("sequences: {a: b}\nstarts: 3", "starts", "'3'", "list")
+        self.assert_says("sequences: {a: b}\nstarts: [1, 1]", "starts[1]", "once")
+        self.assert_says("sequences: {a: b}\noptions: --skip 3", "options", "--skip", "itself")
+        self.assert_says("sequences: {a: b}\nvariants: {v: {options: '\"'}}", "variants.v.options", "command line")
+        self.assert_says("sequences: {a: b}\nvariants: {a/b: {}}", "a/b", "without '/'")
+        self.assert_says("sequences: {a: b}\ntime_limit: 0", "time_limit", "'0'", "at least 1")
+        self.assert_says("sequences: {a: b}\nothers: {DSO: {c: d}}", "others.DSO.c", "allowed: a")
+        self.assert_says("sequences: {a: b, a: c}", "'a' is there twice")
+        self.assert_says("sequences: [", "no YAML", "line 1")
+
+    def test_reads_all(self):
+        self.write("tracker: {levels: 3}", "few.yaml")
+        read = experiment.load(self.write("""
+            data: data
+            options: [--live, --frames, 30]
+            starts: [0, 10]
+            sequences:
+              short: x
+              long: {path: y, groundtruth: y/truth.txt, options: --exposure 0.02, config: {tracker: {levels: 4, other: 1}}}
+            variants: {few: {config: few.yaml}}
+            others: {DSO: {short: dso.txt}}
+            """))
+        short, long = read.sequences
+        self.assertEqual(short.path, self.folder / "data/x")
+        self.assertEqual(short.groundtruth, short.path)
+        self.assertEqual(long.groundtruth, self.folder / "data/y/truth.txt")
+        self.assertEqual(read.options, ("--live", "--frames", "30"))
+        self.assertEqual(read.others, {"DSO": {"short": self.folder / "dso.txt"}})
+        self.assertEqual(experiment.merged(long.config, read.variants[0].config), {"tracker": {"levels": 3, "other": 1}})
+
+    def test_the_last_of_equal_options_counts(self):
+        self.assertEqual(experiment.options_of(["--live", "--exposure", "auto"], ["--skip=3"], ["--exposure", "0"]),
+                         ["--live", "--exposure", "0", "--skip", "3"])
+
+    def test_shipped_experiments_are_right(self):
+        files = sorted((CONFIG / "experiments").glob("*.yaml"))
+        table = CONFIG / "experiments" / "published.yaml"
+        self.assertIn(table, files)
+        known = {name for system in published.load(table) for name in system.ate_cm}
+        for file in files:
+            if file != table:
+                read = experiment.load(file)
+                if read.published:
+                    self.assertTrue(known & {sequence.published for sequence in read.sequences}, file)
+
+
+class Figures(InFolder):
+    def test_failures_count_as_the_worst(self):
+        good = dict(figures.worst(figures.OURS), map_ate_cm=2.0, in_time_percent=80.0)
+        bad = figures.worst(figures.OURS)
+        self.assertEqual(figures.medians([good, good, bad], figures.OURS)["map_ate_cm"], 2.0)
+        self.assertEqual(figures.medians([good, bad, bad], figures.OURS)["map_ate_cm"], math.inf)
+        self.assertEqual(figures.medians([good, bad, bad], figures.OURS)["in_time_percent"], 0.0)
+        self.assertTrue(math.isnan(figures.medians([good, bad], figures.OURS)["tracking_ms"]))
+
+    def test_shown(self):
+        ate = figures.CAUSAL[0]
+        self.assertEqual([figures.shown(ate, value) for value in (0.0123456, 1.234, 123.4, math.inf, math.nan)],
+                         ["0.0123", "1.23", "123", "fail", ""])
+
+    def test_pieces_by_blur(self):
+        (self.folder / "groundtruth.txt").write_text("# t\n" + "".join("%g 0 0 0 0 0 0 1\n" % (t / 10) for t in range(120)))
+        (self.folder / "blur_px.txt").write_text("".join("%d\n" % (5 if t < 50 else t - 50) for t in range(120)))
+        cut = pieces.of_sequence(self.folder)
+        self.assertEqual([len(lines) for lines, _ in cut], [50, 50])  # what is left has less than 2 s
+        self.assertEqual(cut[0][1], 5.0)
+        self.assertAlmostEqual(cut[1][1], 0.9 * 49)
+        (self.folder / "blur_px.txt").write_text("5\n")
+        self.assertEqual(pieces.of_sequence(self.folder), [])
+
+    def test_quartiles_by_blur(self):
+        curve = pieces.curve([(5.0, ate) for ate in (1.0, 2.0, 3.0, 4.0, 5.0)] + [(55.0, 1.0), (55.0, math.inf), (70.0, 1.0)])
+        self.assertEqual(curve, [(5.0, [2.0, 3.0, 4.0], 5), (55.0, [math.inf, math.inf, math.inf], 2)])
+
+    def test_tables_hold_what_would_end_a_cell(self):
+        table = tables.Table("A", "", ["x"], [["a|b <c>"]])
+        self.assertIn("| a\\|b <c> |", tables.markdown(table))
+        self.assertIn("<td>a|b &lt;c&gt;</td>", tables.as_html(table))
+
+
+class Programs(InFolder):
+    def setUp(self):
+        super().setUp()
+        self.fakes = Fakes(self.folder)
+        self.output = self.folder / "out"
+
+    def command(self, *options):
+        return [sys.executable, TOOLS / "mba_vo_benchmark", self.folder / "experiment.yaml", "--bin", self.fakes.bin, "--data",
+                self.fakes.data, "--output", self.output, *options]
+
+    def run_it(self, *options, status=0):
+        done = subprocess.run(self.command(*options), capture_output=True, text=True, timeout=100, check=False)
+        self.assertEqual(done.returncode, status, done.stderr)
+        return done.stderr
+
+    def results(self):
+        return json.loads((self.output / "results.json").read_text())
+
+    def pages(self):
+        return {name: (self.output / name).read_bytes() for name in ("results.json", "results.csv", "results.md", "results.html")}
+
+    def test_starts_and_variants(self):
+        self.fakes.add_sequence("one")
+        self.fakes.add_sequence("two", "0.3")
+        (self.folder / "dso.txt").write_text("")
+        self.write("""
+            starts: [1, 5, 3]
+            sequences: {one: one, two: {path: two, published: known}, three: three}
+            variants: {with: {}, without: {options: --exposure 0, config: {mapper: {window: {max_points: 5}}}}}
+            others: {DSO: {two: dso.txt}}
+            published: table.yaml
+            """)
+        self.write("""
+            sources: {paper: "A paper, Table 1"}
+            figures: [{system: Theirs, source: paper, ate_cm: {known: 4.5, other: 9}, dropped_percent: {known: 7}}]
+            """, "table.yaml")
+        said = self.run_it("--jobs", "3")
+        self.assertIn("three", said)
+        self.assertIn("[13/13]", said)
+        medians = self.results()["medians"]
+        self.assertAlmostEqual(medians["one"]["with"]["map_ate_cm"], 1.3)  # of the starts 1, 3 and 5: the number is their last digit
+        self.assertAlmostEqual(medians["two"]["DSO"]["smoothed_ate_cm"], 2.0)
+        without = self.output / "runs/two-without-3"
+        self.assertIn("--exposure\n0\n--skip\n3\n--config", (without / "options.txt").read_text())
+        self.assertIn("max_points: 5", (without / "config.yaml").read_text())
+        page = (self.output / "results.md").read_text()
+        self.assertRegex(page, r"\| two \| 33.0 \| fail.*\| 2.00 \| 4.5 \(7 %\) \|")
+        self.assertRegex(page, r"\| three \| +\|.*\| +\|")
+        self.assertIn("| published: Theirs |", page)
+        self.assertIn("A paper, Table 1", page)
+        self.assertLess(page.index("## Causal figures"), page.index("## Smoothed"))
+        html = (self.output / "results.html").read_text()
+        self.assertNotIn("src='runs", html)
+        self.assertIn("data:image/png;base64,cGljdHVyZQo=", html)
+
+    def test_failures_are_repeated_alone(self):
+        for name in ("good", "broken", "once", "killed"):
+            self.fakes.add_sequence(name)
+        self.write("sequences: {good: good, broken: broken, once: once, killed: killed}")
+        said = self.run_it("--jobs", "2")
+        self.assertIn("3 failed: once more", said)
+        self.assertEqual(len(self.fakes.made()), 7)
+        failed = {run["sequence"]: run["failed"] for run in self.results()["runs"]}
+        self.assertEqual(failed["good"], None)
+        self.assertEqual(failed["once"], None)
+        self.assertIn("spoilt on purpose", failed["broken"])
+        self.assertIn("signal 9", failed["killed"])
+        self.assertIn("spoilt on purpose", (self.output / "results.md").read_text())
+        self.assertEqual(self.results()["medians"]["broken"]["mba_vo"]["map_ate_cm"], None)
+
+    def test_too_long_is_a_failure(self):
+        self.fakes.add_sequence("hangs")
+        self.write("sequences: {hangs: hangs}\ntime_limit: 1")
+        said = self.run_it(status=1)
+        self.assertIn("stopped after 1 s", said)
+        self.assertFalse([process for process in self.fakes.processes() if alive(process)])
+
+    def test_makes_only_what_has_changed(self):
+        one = self.fakes.add_sequence("one")
+        self.fakes.add_sequence("two")
+        self.write("sequences: {one: one, two: two}\nstarts: [1, 2]")
+        self.run_it()
+        first = self.pages()
+        self.assertIn("4 of 4 runs are there", self.run_it())
+        self.assertEqual(len(self.fakes.made()), 4)
+        self.assertEqual(first, self.pages())
+        (one / "image.png").write_text("another")
+        self.run_it()
+        self.assertEqual(len(self.fakes.made()), 6)
+        self.write("sequences: {one: one, two: {path: two, options: --live}}\nstarts: [1, 2]")
+        self.run_it()
+        self.assertEqual(len(self.fakes.made()), 8)
+        program = self.fakes.bin / "mba_vo_offline"
+        program.write_text(program.read_text() + "# changed\n")
+        self.run_it()
+        self.assertEqual(len(self.fakes.made()), 12)
+
+    def interrupt(self, number, running):
+        """Starts, waits until so many runs hang, and sends the signal."""
+        os.mkfifo(self.fakes.children)  # each run that hangs writes a line
+        process = subprocess.Popen(self.command("--jobs", str(running)), stderr=subprocess.PIPE, text=True)
+        guard = threading.Timer(100, process.kill)
+        guard.start()
+        children = []
+        with os.fdopen(os.open(self.fakes.children, os.O_RDWR), encoding="ascii") as lines:  # so that opening waits for nobody
+            while len(children) < running:
+                children.append(int(lines.readline()))
+            process.send_signal(number)
+            said = process.communicate()[1]
+        guard.cancel()
+        os.remove(self.fakes.children)
+        return process.returncode, said, children
+
+    def test_nothing_is_left_of_an_interrupted_run(self):
+        for index in range(40):
+            self.fakes.add_sequence("hangs%d" % index)
+        good = ["good%d" % index for index in range(160)]
+        for name in good:
+            self.fakes.add_sequence(name)
+        names = good + ["hangs%d" % index for index in range(40)]
+        self.write("sequences:\n" + "".join("  %s: %s\n" % (name, name) for name in names))
+        status, said, children = self.interrupt(signal.SIGINT, 40)
+        self.assertEqual(status, 130)
+        self.assertIn("interrupted", said)
+        self.assertEqual([p for p in children + self.fakes.processes() if alive(p)], [])
+        self.assertEqual([file for file in files_below(self.output) if ".part" in file or "hangs" in file], [])
+        self.assertEqual(len(list((self.output / "runs").iterdir())), 160)
+
+    def test_resumed_and_uninterrupted_give_the_same(self):
+        for name in ("a", "b", "hangs"):
+            self.fakes.add_sequence(name)
+        self.write("sequences: {a: a, hangs: hangs, b: b}")
+        self.interrupt(signal.SIGTERM, 1)
+        self.assertEqual(len(list((self.output / "runs").iterdir())), 1)
+        program = self.fakes.bin / "mba_vo_offline"
+        times = os.stat(program)
+        (self.fakes.data / "hangs").rename(self.fakes.data / "c")
+        self.write("sequences: {a: a, hangs: c, b: b}")
+        os.utime(program, ns=(times.st_atime_ns, times.st_mtime_ns))
+        self.assertIn("1 of 3 runs are there", self.run_it())
+        resumed = self.pages()
+        self.output = self.folder / "again"
+        self.run_it()
+        self.assertEqual(resumed, self.pages())
+
+    def test_what_a_killed_benchmark_leaves_goes(self):
+        self.fakes.add_sequence("hangs")
+        self.write("sequences: {hangs: hangs}\ntime_limit: 1")
+        status, _, _ = self.interrupt(signal.SIGKILL, 1)
+        self.assertEqual(status, -signal.SIGKILL)
+        (self.fakes.data / "hangs").rename(self.fakes.data / "fine")
+        self.write("sequences: {fine: fine}")
+        self.run_it()
+        self.assertEqual([file for file in files_below(self.output) if ".part" in file], [])
+
+    def test_two_do_not_write_into_one_folder(self):
+        self.fakes.add_sequence("one")
+        self.write("sequences: {one: one}")
+        self.output.mkdir()
+        with subprocess.Popen(["flock", self.output, "sh", "-c", "echo locked; read line"], stdin=subprocess.PIPE,
+                              stdout=subprocess.PIPE) as other:
+            other.stdout.readline()
+            self.assertIn("another benchmark", self.run_it(status=1))
+            other.communicate(b"\n")
+
+    def test_says_what_is_missing(self):
+        self.write("sequences: {one: one}")
+        self.assertIn("none of its sequences is there", self.run_it(status=1))
+        self.fakes.add_sequence("one")
+        os.remove(self.fakes.bin / "mba_vo_evaluate")
+        self.assertIn("mba_vo_evaluate: not in", self.run_it(status=1))
+
+
+class Causal(unittest.TestCase):
+    def test_causal_figures_come_first(self):
+        self.assertEqual([figure.key for figure in figures.CAUSAL[:4]],
+                         ["map_ate_cm", "odom_ate_cm", "in_time_percent", "moving_percent"])
+        self.assertTrue(all("smoothed" in figure.title or "dropped" in figure.title for figure in figures.SMOOTHED))
+        self.assertIn("published", page_tables.CAUSAL_NOTE)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,51 @@
+"""One Markdown and one self-contained HTML page."""
+import base64
+import html
+
+from . import page_tables, tables
+
+STYLE = """
+body { font: 15px/1.45 sans-serif; margin: 2em auto; max-width: 75em; padding: 0 1em; color: #222 }
+table { border-collapse: collapse; font-size: 13px } .table { overflow-x: auto }
+th, td { border-bottom: 1px solid #ddd; padding: .25em .7em; text-align: right; white-space: nowrap }
+th { background: #f2f4f7; white-space: normal; vertical-align: bottom } td:first-child, th:first-child { text-align: left }
+.plots { display: flex; flex-wrap: wrap; gap: 1em } figure { margin: 0; width: 30em } img { width: 100% }
+svg { max-width: 100%; height: auto } pre { background: #f2f4f7; padding: .6em; overflow-x: auto }
+"""
+PLOT_NOTE = "Of the starts the one in the middle. Grey: the truth; red: published, or another system; blue: smoothed."
+FILES = ("results.md", "results.html", "ate_against_blur.svg")
+
+
+def _plots(results):
+    """Captions and files of the trajectories' plots."""
+    for sequence in results.sequences():
+        for name in results.variants() + results.systems():
+            run = results.typical(sequence.name, name)
+            if run is not None:
+                yield run.name, run.task.folder / "trajectory.png"
+
+
+def as_markdown(results, command, output, curve):
+    parts = ["# %s\n" % results.experiment.title, "    %s\n" % command]
+    parts += [tables.markdown(table) for table in page_tables.all_tables(results)]
+    if curve:
+        parts.append("## ATE against blur, the curve\n\n![ATE against blur](ate_against_blur.svg)\n")
+    parts.append("## Trajectories\n\n%s\n" % PLOT_NOTE)
+    parts += ["%s\n\n![%s](%s)\n" % (caption, caption, file.relative_to(output).as_posix()) for caption, file in _plots(results)]
+    return "\n".join(parts)
+
+
+def as_page(results, command, curve):
+    """HTML that needs no other file."""
+    title = html.escape(results.experiment.title)
+    parts = ["<!doctype html>\n<html lang=en><meta charset=utf-8><title>%s</title><style>%s</style>\n<h1>%s</h1>\n<pre>%s</pre>\n" %
+             (title, STYLE, title, html.escape(command))]
+    parts += [tables.as_html(table) for table in page_tables.all_tables(results)]
+    if curve:
+        parts.append("<h2>ATE against blur, the curve</h2>\n%s\n" % curve[curve.index("<svg"):])
+    parts.append("<h2>Trajectories</h2><p>%s</p>\n<div class=plots>\n" % PLOT_NOTE)
+    for caption, file in _plots(results):
+        picture = base64.b64encode(file.read_bytes()).decode()
+        parts.append("<figure><img alt='%s' src='data:image/png;base64,%s'><figcaption>%s</figcaption></figure>\n" %
+                     (html.escape(caption, quote=True), picture, html.escape(caption)))
+    return "".join(parts) + "</div></html>\n"
