@@ -174,8 +174,7 @@ void LocalMap::refineWindow(KeyframeReport& report) {
 }
 
 void LocalMap::activatePoints() {
-  activation_distance_px_ =
-      adaptedDistance(activation_distance_px_, window_.pointCount(), config_.window.max_points);
+  activation_distance_px_ = adaptedDistance(activation_distance_px_, window_.pointCount(), config_.window.max_points);
   PointActivator activator(window_, cameraOf(newestKeyframe()), newestKeyframe(), activation_distance_px_);
   const auto newest = std::prev(keyframes_.end());
   for (auto host = keyframes_.begin(); host != newest; ++host) {
