@@ -5,6 +5,10 @@ add_executable(tracking_benchmark bench/tracking_benchmark.cpp)
 mba_vo_options(tracking_benchmark)
 target_link_libraries(tracking_benchmark PRIVATE mba_vo_tracking mba_vo_simulation benchmark::benchmark)
 
+add_executable(window_benchmark bench/window_benchmark.cpp)
+mba_vo_options(window_benchmark)
+target_link_libraries(window_benchmark PRIVATE mba_vo_window benchmark::benchmark)
+
 add_executable(deblur_benchmark bench/deblur_benchmark.cpp)
 mba_vo_options(deblur_benchmark)
 target_link_libraries(deblur_benchmark PRIVATE mba_vo_deblur mba_vo_simulation benchmark::benchmark)

@@ -199,35 +199,41 @@ int sampleCount(float length_px, float spacing_px, int max_samples) {
 
 /// A pixel of the camera looks at x on the plane d and at x + J e on the plane d + e. With e = g . (x' - x0) its place
 /// x' on the slanted plane is x0 + M (x - x0), M = (I - J g^T)^-1 = I + J g^T / (1 - g . J), J = J0 + u J1; M to first
-/// order in u is M0 + u M1, M1 = M0 J1 g^T M0.
+/// order in u is M0 + u M1, M0 = I + s J0 g^T and M1 = M0 J1 g^T M0 = s W g^T, where s = 1 / (1 - g . J0) and W = J1 +
+/// s (g . J1) J0.
 void applySlope(const Eigen::Vector2d& slope, const Eigen::Vector2d& anchor, PatchPath& path, SlopeDerivatives wanted) {
   const Eigen::Vector2d J0 = path.J_inverse_depth[0];
   const Eigen::Vector2d J1 = path.J_inverse_depth[1];
-  const double stretch = slope.norm() * J0.norm();
-  if (stretch == 0.0) return;
-  const Eigen::Vector2d g = slope * std::min(1.0, kMaxStretch / stretch);
-  const Eigen::Matrix2d M0 = Eigen::Matrix2d::Identity() + J0 * g.transpose() / (1.0 - g.dot(J0));
-  const Eigen::Matrix2d M1 = M0 * J1 * g.transpose() * M0;
-  const Eigen::Matrix2f M0f = M0.cast<float>();
-  const Eigen::Matrix2f M1f = M1.cast<float>();
-  const Eigen::Vector2f x0 = anchor.cast<float>();
-  const Eigen::Vector2f offset = path.c0 - x0;
-  path.c0 = x0 + M0f * offset;
-  path.c2 = M0f * path.c2 + M1f * path.c1;
-  path.c1 = M0f * path.c1 + M1f * offset;
-  path.A1 = M0f * path.A1 + M1f * path.A0;
-  path.A0 = (M0f * path.A0).eval();
-  const auto transform = [&M0, &M1](auto& J) {
-    J[1] = (M0 * J[1] + M1 * J[0]).eval();
-    J[0] = (M0 * J[0]).eval();
+  const double squared_stretch = slope.squaredNorm() * J0.squaredNorm();
+  if (squared_stretch == 0.0) return;
+  const bool limited = squared_stretch > kMaxStretch * kMaxStretch;
+  const Eigen::Vector2d g = limited ? Eigen::Vector2d(slope * (kMaxStretch / std::sqrt(squared_stretch))) : slope;
+  const double s = 1.0 / (1.0 - g.dot(J0));
+  const Eigen::Vector2d sg = s * g;
+  const Eigen::Vector2d W = J1 + sg.dot(J1) * J0;
+  const Eigen::Vector2f sgf = sg.cast<float>();
+  const Eigen::Vector2f J0f = J0.cast<float>();
+  const Eigen::Vector2f Wf = W.cast<float>();
+  // The parts with 1 and u of (M0 + u M1) (a0 + u a1).
+  const auto transform = [](const auto& gradient, const auto& J, const auto& w, auto& a0, auto& a1) {
+    const auto along0 = gradient.transpose().lazyProduct(a0).eval();
+    const auto along1 = gradient.transpose().lazyProduct(a1).eval();
+    a0 += J.lazyProduct(along0);
+    a1 += J.lazyProduct(along1) + w.lazyProduct(along0);
   };
-  transform(path.J_inverse_depth);
+  const Eigen::Vector2f x0 = anchor.cast<float>();
+  Eigen::Vector2f offset = path.c0 - x0;
+  path.c2 += sgf.dot(path.c2) * J0f + sgf.dot(path.c1) * Wf;
+  transform(sgf, J0f, Wf, offset, path.c1);
+  path.c0 = x0 + offset;
+  transform(sgf, J0f, Wf, path.A0, path.A1);
+  transform(sg, J0, W, path.J_inverse_depth[0], path.J_inverse_depth[1]);
   if (wanted == SlopeDerivatives::kInverseDepth) return;
-  transform(path.J_pose);
+  transform(sg, J0, W, path.J_pose[0], path.J_pose[1]);
   if (wanted == SlopeDerivatives::kPose) return;
-  transform(path.J_xi);
-  path.J_xi[0] += M1 * path.J_xi_row;
-  path.J_xi_row = (M0 * path.J_xi_row).eval();
+  transform(sg, J0, W, path.J_xi[0], path.J_xi[1]);
+  path.J_xi[0] += W * sg.transpose().lazyProduct(path.J_xi_row);
+  path.J_xi_row += J0 * sg.transpose().lazyProduct(path.J_xi_row).eval();
 }
 
 }  // namespace mba_vo

@@ -13,20 +13,22 @@ constexpr int kBins = 256;
 constexpr float kBinsPerUnit = 4.0F;  // [px / grey level]
 
 float medianOfRegion(const cv::Mat1f& magnitude, const cv::Mat1b& allowed, cv::Rect region) {
-  std::array<int, kBins> histogram{};
+  std::array<std::array<int, kBins>, 2>
+      histograms{};  // by turns: neighbours often share a bin, which would have to wait
   int total = 0;
   for (int y = region.y; y < region.y + region.height; ++y) {
     const float* const m = magnitude[y];
     const std::uint8_t* const ok = allowed[y];
     for (int x = region.x; x < region.x + region.width; ++x) {
       if (ok[x] == 0) continue;
+      auto& histogram = histograms[static_cast<std::size_t>(x & 1)];
       ++histogram[static_cast<std::size_t>(std::min(static_cast<int>(kBinsPerUnit * m[x]), kBins - 1))];
       ++total;
     }
   }
   int below = 0;
   for (std::size_t i = 0; i < kBins; ++i) {
-    below += histogram[i];
+    below += histograms[0][i] + histograms[1][i];
     if (2 * below > total) return (static_cast<float>(i) + 0.5F) / kBinsPerUnit;
   }
   return 0.0F;
@@ -34,19 +36,22 @@ float medianOfRegion(const cv::Mat1f& magnitude, const cv::Mat1b& allowed, cv::R
 
 }  // namespace
 
-GradientImage computeGradients(const cv::Mat1f& image) {
-  GradientImage result{cv::Mat1f(image.size(), 0.0F), cv::Mat1f(image.size(), 0.0F), cv::Mat1f(image.size(), 0.0F)};
-  for (int y = 1; y + 1 < image.rows; ++y) {
+cv::Mat1f gradientMagnitude(const cv::Mat1f& image) {
+  cv::Mat1f result(image.size());
+  for (int y = 0; y < image.rows; ++y) {
+    float* const magnitude = result[y];
+    if (y == 0 || y + 1 == image.rows || image.cols < 3) {
+      std::fill_n(magnitude, image.cols, 0.0F);
+      continue;
+    }
     const float* const above = image[y - 1];
     const float* const here = image[y];
     const float* const below = image[y + 1];
-    float* const gx = result.gx[y];
-    float* const gy = result.gy[y];
-    float* const magnitude = result.magnitude[y];
+    magnitude[0] = magnitude[image.cols - 1] = 0.0F;
     for (int x = 1; x + 1 < image.cols; ++x) {
-      gx[x] = 0.5F * (here[x + 1] - here[x - 1]);
-      gy[x] = 0.5F * (below[x] - above[x]);
-      magnitude[x] = std::sqrt(gx[x] * gx[x] + gy[x] * gy[x]);
+      const float gx = 0.5F * (here[x + 1] - here[x - 1]);
+      const float gy = 0.5F * (below[x] - above[x]);
+      magnitude[x] = std::sqrt(gx * gx + gy * gy);
     }
   }
   return result;
@@ -77,21 +82,25 @@ RegionMedians::RegionMedians(const cv::Mat1f& magnitude, const cv::Mat1b& allowe
   cv::blur(medians, smoothed_, {3, 3}, {-1, -1}, cv::BORDER_REPLICATE);
 }
 
-std::vector<GradientCandidate> findCandidates(const GradientImage& gradients, int level, const cv::Mat1b& allowed,
-                                              const RegionMedians& medians, float margin) {
+std::vector<GradientCandidate> findCandidates(const cv::Mat1f& image, const cv::Mat1f& magnitude, int level,
+                                              const cv::Mat1b& allowed, const RegionMedians& medians, float margin) {
   std::vector<GradientCandidate> candidates;
-  const int step = 1 << level;
-  for (int y = 1; y + 1 < gradients.magnitude.rows; ++y) {
-    const int y0 = y * step;
+  std::vector<int> columns(static_cast<std::size_t>(image.cols));
+  for (int y = 1; y + 1 < image.rows; ++y) {
+    const int y0 = y << level;
     const std::uint8_t* const ok = allowed[y0];
-    const float* const magnitude = gradients.magnitude[y];
+    const float* const m = magnitude[y];
     const float* const median = medians.row(y0);
-    for (int x = 1; x + 1 < gradients.magnitude.cols; ++x) {
-      const int x0 = x * step;
-      if (!(magnitude[x] > margin) || ok[x0] == 0) continue;  // medians are not negative
-      if (magnitude[x] > median[x0 / RegionMedians::kSide] + margin) {
-        candidates.push_back({x0, y0, gradients.gx(y, x), gradients.gy(y, x)});
-      }
+    std::size_t count = 0;
+    for (int x = 1; x + 1 < image.cols; ++x) {  // without branches, which nobody could predict
+      const int x0 = x << level;
+      columns[count] = x;
+      count += static_cast<std::size_t>(m[x] > median[x0 / RegionMedians::kSide] + margin) & (ok[x0] & 1U);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const int x = columns[i];
+      candidates.push_back(
+          {x << level, y0, 0.5F * (image(y, x + 1) - image(y, x - 1)), 0.5F * (image(y + 1, x) - image(y - 1, x))});
     }
   }
   return candidates;

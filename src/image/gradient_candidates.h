@@ -9,12 +9,8 @@
 
 namespace mba_vo {
 
-/// Gradients of an image by central differences [grey levels / px].
-struct GradientImage {
-  cv::Mat1f gx, gy;
-  cv::Mat1f magnitude;
-};
-GradientImage computeGradients(const cv::Mat1f& image);
+/// Length of the gradient by central differences [grey levels / px], 0 in the outermost pixels.
+cv::Mat1f gradientMagnitude(const cv::Mat1f& image);
 
 /// A pixel whose gradient exceeds the threshold of its region.
 struct GradientCandidate {
@@ -38,8 +34,9 @@ class RegionMedians {
   cv::Mat1f smoothed_;
 };
 
-/// Allowed pixels of `level` (gradients of that level) whose gradient exceeds the median of its region plus `margin`.
-std::vector<GradientCandidate> findCandidates(const GradientImage& gradients, int level, const cv::Mat1b& allowed,
-                                              const RegionMedians& medians, float margin);
+/// Allowed pixels of `level`, of which `image` and `magnitude` are, whose gradient exceeds the median of its region
+/// plus `margin`.
+std::vector<GradientCandidate> findCandidates(const cv::Mat1f& image, const cv::Mat1f& magnitude, int level,
+                                              const cv::Mat1b& allowed, const RegionMedians& medians, float margin);
 
 }  // namespace mba_vo

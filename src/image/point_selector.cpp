@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -39,88 +40,117 @@ struct Choice {
   float score = -1.0F;
 };
 
-/// Cells of side `cell` << level over the image: the best candidate of each, and whether a finer level served it
-/// already.
+/// Cells of side `cell` << level over the image.
 class CellGrid {
  public:
   CellGrid(cv::Size image, float cell, int level)
-      : shift_(level),
-        inverse_cell_(1.0F / cell),
-        columns_(index(image.width - 1) + 1),
-        rows_(index(image.height - 1) + 1),
-        best_(static_cast<std::size_t>(columns_ * rows_)),
-        served_(best_.size(), false) {}
+      : column_of_(cellsOf(image.width, cell, level)), row_of_(cellsOf(image.height, cell, level)) {}
 
-  /// Cells with a point in the grid of the next finer level need none of their own.
-  void inherit(const CellGrid& finer) {
-    for (int row = 0; row < finer.rows_; ++row) {
-      for (int column = 0; column < finer.columns_; ++column) {
-        const std::size_t i = finer.at(column, row);
-        if (finer.served_[i] || finer.best_[i].candidate != nullptr) served_[at(column / 2, row / 2)] = true;
-      }
-    }
-  }
-
-  void offer(const GradientCandidate& candidate) {
-    const int column = index(candidate.x);
-    const int row = index(candidate.y);
-    if (served_[at(column, row)]) return;
-    const Eigen::Vector2f direction = directionOfCell(column, row);
-    const float score = std::abs(candidate.gx * direction.x() + candidate.gy * direction.y());
-    Choice& choice = best_[at(column, row)];
-    if (score > choice.score) choice = {&candidate, score};
-  }
-
-  const std::vector<Choice>& choices() const { return best_; }
+  int columns() const { return column_of_.back() + 1; }
+  int rows() const { return row_of_.back() + 1; }
+  std::size_t size() const { return static_cast<std::size_t>(columns() * rows()); }
+  int column(int x) const { return column_of_[static_cast<std::size_t>(x)]; }
+  int row(int y) const { return row_of_[static_cast<std::size_t>(y)]; }
+  std::size_t at(int column, int row) const { return static_cast<std::size_t>(row * columns() + column); }
 
  private:
-  int index(int x) const { return static_cast<int>(static_cast<float>(x) * inverse_cell_) >> shift_; }
-  std::size_t at(int column, int row) const { return static_cast<std::size_t>(row * columns_ + column); }
+  static std::vector<int> cellsOf(int length, float cell, int level) {
+    std::vector<int> cells;
+    const float inverse_cell = 1.0F / cell;
+    for (int x = 0; x < length; ++x) cells.push_back(static_cast<int>(static_cast<float>(x) * inverse_cell) >> level);
+    return cells;
+  }
 
-  int shift_;
-  float inverse_cell_;
-  int columns_, rows_;
-  std::vector<Choice> best_;
-  std::vector<bool> served_;
+  std::vector<int> column_of_;  // of each column of the image
+  std::vector<int> row_of_;
 };
+
+using Flags = std::vector<std::uint8_t>;  // of the cells of a grid
+
+/// Groups of cells that a point of a finer level serves need none of their own.
+Flags inherit(const CellGrid& finer, const Flags& served, const CellGrid& grid) {
+  Flags inherited(grid.size(), 0);
+  for (int row = 0; row < finer.rows(); ++row) {
+    for (int column = 0; column < finer.columns(); ++column) {
+      if (served[finer.at(column, row)] != 0) inherited[grid.at(column / 2, row / 2)] = 1;
+    }
+  }
+  return inherited;
+}
 
 using CandidateLists = std::vector<std::vector<GradientCandidate>>;       // by level, finest first
 using Selection = std::vector<std::pair<int, const GradientCandidate*>>;  // (level, candidate)
 
-/// One point per cell; groups of cells that stay empty get one point from the next coarser level.
+/// One point per cell; groups of cells that stay empty get one point from the next coarser level. Calls
+/// body(level, grid, served) for each level, which adds to the cells that are served.
+template <typename Body>
+void forEachLevel(const CandidateLists& candidates, cv::Size image, float cell, const Body& body) {
+  CellGrid grid(image, cell, 0);
+  Flags served(grid.size(), 0);
+  for (std::size_t level = 0; level < candidates.size(); ++level) {
+    if (level > 0) {
+      CellGrid coarser(image, cell, static_cast<int>(level));
+      served = inherit(grid, served, coarser);
+      grid = std::move(coarser);
+    }
+    body(level, grid, served);
+  }
+}
+
+/// How many points there are with cells of that size.
+std::size_t countWithCell(const CandidateLists& candidates, cv::Size image, float cell) {
+  std::ptrdiff_t count = 0;
+  forEachLevel(candidates, image, cell, [&](std::size_t level, const CellGrid& grid, Flags& served) {
+    count -= std::count(served.begin(), served.end(), 1);
+    for (const GradientCandidate& c : candidates[level]) served[grid.at(grid.column(c.x), grid.row(c.y))] = 1;
+    count += std::count(served.begin(), served.end(), 1);
+  });
+  return static_cast<std::size_t>(count);
+}
+
+/// The best candidate of each cell.
 Selection selectWithCell(const CandidateLists& candidates, cv::Size image, float cell) {
   Selection selection;
-  std::optional<CellGrid> finer;
-  for (std::size_t level = 0; level < candidates.size(); ++level) {
-    CellGrid grid(image, cell, static_cast<int>(level));
-    if (finer) grid.inherit(*finer);
-    for (const GradientCandidate& candidate : candidates[level]) grid.offer(candidate);
-    for (const Choice& choice : grid.choices()) {
-      if (choice.candidate != nullptr) selection.emplace_back(static_cast<int>(level), choice.candidate);
+  forEachLevel(candidates, image, cell, [&](std::size_t level, const CellGrid& grid, Flags& served) {
+    std::vector<Choice> best(grid.size());
+    for (const GradientCandidate& candidate : candidates[level]) {
+      const int column = grid.column(candidate.x);
+      const int row = grid.row(candidate.y);
+      if (served[grid.at(column, row)] != 0) continue;
+      const Eigen::Vector2f direction = directionOfCell(column, row);
+      const float score = std::abs(candidate.gx * direction.x() + candidate.gy * direction.y());
+      Choice& choice = best[grid.at(column, row)];
+      if (score > choice.score) choice = {&candidate, score};
     }
-    finer = std::move(grid);
-  }
+    for (std::size_t i = 0; i < best.size(); ++i) {
+      if (best[i].candidate == nullptr) continue;
+      selection.emplace_back(static_cast<int>(level), best[i].candidate);
+      served[i] = 1;
+    }
+  });
   return selection;
 }
 
-/// Adapts the cell size until the number of points is close to `count`; keeps the closest that was seen. The number of
+/// Adapts the cell size until the number of points is close to `count`; takes the closest that was seen. The number of
 /// points goes with the inverse square of the cell size where there is texture everywhere, slower elsewhere.
 Selection selectCount(const CandidateLists& candidates, cv::Size image, int count) {
   const float largest_cell = static_cast<float>(std::max(image.width, image.height));
   float cell = std::sqrt(static_cast<float>(image.area()) / static_cast<float>(count));
   cell = std::clamp(cell, kSmallestCell, largest_cell);
-  Selection best;
+  std::optional<float> best;
+  double best_ratio = 0.0;
   for (int round = 0; round < kMaxRounds; ++round) {
-    Selection selection = selectWithCell(candidates, image, cell);
-    const double ratio = static_cast<double>(selection.size()) / count;
-    const bool closer = std::abs(ratio - 1.0) < std::abs(static_cast<double>(best.size()) / count - 1.0);
-    if (closer) best = std::move(selection);
+    const double ratio = static_cast<double>(countWithCell(candidates, image, cell)) / count;
+    if (std::abs(ratio - 1.0) < std::abs(best_ratio - 1.0)) {
+      best = cell;
+      best_ratio = ratio;
+    }
     if (std::abs(ratio - 1.0) < kCountTolerance) break;
     const float next = std::clamp(cell * static_cast<float>(std::sqrt(ratio)), kSmallestCell, largest_cell);
     if (next == cell) break;
     cell = next;
   }
-  return best;
+  return best ? selectWithCell(candidates, image, *best) : Selection();
 }
 
 /// Pixel of the finest level with the highest gradient among those that the candidate's pixel averages.
@@ -157,22 +187,23 @@ std::vector<Eigen::Vector2i> selectPoints(const ImagePyramid& pyramid, int count
   if (count == 0) return {};
   const cv::Mat1f& image = pyramid.level(0).intensity;
   const cv::Mat1b allowed = makeAllowedMask(image, config.border);
-  const GradientImage finest = computeGradients(image);
-  const RegionMedians medians(finest.magnitude, allowed);
+  const cv::Mat1f magnitude = gradientMagnitude(image);
+  const RegionMedians medians(magnitude, allowed);
 
   CandidateLists candidates;
   const double noise = static_cast<double>(estimateNoise(image));
   double margin = std::max(config.gradient_margin, kNoiseMargin * noise);
-  candidates.push_back(findCandidates(finest, 0, allowed, medians, static_cast<float>(margin)));
+  candidates.push_back(findCandidates(image, magnitude, 0, allowed, medians, static_cast<float>(margin)));
   for (int level = 1; level < std::min(pyramid.levels(), kMaxLevels); ++level) {
     margin *= config.coarse_margin_factor;
-    const GradientImage gradients = computeGradients(pyramid.level(level).intensity);
-    candidates.push_back(findCandidates(gradients, level, allowed, medians, static_cast<float>(margin)));
+    const cv::Mat1f& coarse = pyramid.level(level).intensity;
+    candidates.push_back(
+        findCandidates(coarse, gradientMagnitude(coarse), level, allowed, medians, static_cast<float>(margin)));
   }
 
   std::vector<Eigen::Vector2i> points;
   for (const auto& [level, candidate] : selectCount(candidates, image.size(), count)) {
-    points.push_back(refineToFinest(*candidate, level, finest.magnitude, allowed));
+    points.push_back(refineToFinest(*candidate, level, magnitude, allowed));
   }
   return points;
 }

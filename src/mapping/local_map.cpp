@@ -166,7 +166,7 @@ void LocalMap::refineWindow(KeyframeReport& report) {
   selectImmaturePoints(keyframes_.at(newestKeyframe()));
   report.selection_ms = millisecondsSince(stage);
 
-  report.points = static_cast<int>(window_.points().size());
+  report.points = window_.pointCount();
   report.residuals = summary.residuals;
   report.rms = summary.rms;
   report.depth_search_ms = std::exchange(depth_search_ms_, 0.0);
@@ -174,8 +174,7 @@ void LocalMap::refineWindow(KeyframeReport& report) {
 }
 
 void LocalMap::activatePoints() {
-  activation_distance_px_ =
-      adaptedDistance(activation_distance_px_, static_cast<int>(window_.points().size()), config_.window.max_points);
+  activation_distance_px_ = adaptedDistance(activation_distance_px_, window_.pointCount(), config_.window.max_points);
   PointActivator activator(window_, cameraOf(newestKeyframe()), newestKeyframe(), activation_distance_px_);
   const auto newest = std::prev(keyframes_.end());
   for (auto host = keyframes_.begin(); host != newest; ++host) {

@@ -6,52 +6,48 @@ namespace {
 constexpr int kDim = CalibrationCorrection::kDim;
 using Matrix2C = Eigen::Matrix<double, 2, kDim>;
 constexpr int kPath = 6 + 1 + kDim;  // what moves and brightens the path: pose, inverse depth, correction
-constexpr int kMoments = 5;          // of the gradient, and the derivative by the brightness a
-using MomentMatrix = Eigen::Matrix<double, kMoments, kPath>;
+constexpr int kMoments = 6;          // of the gradient, the derivative by the brightness a, and none
 
-/// Weighted sums over the pixels of the products of z = [gx gy ugx ugy J_a J_b r].
-Eigen::Matrix<double, 7, 7> productSums(const PatchComparison& c, bool blurred) {
-  Eigen::Matrix<double, 7, kResidualPixels> z;
-  for (int k = 0; k < kResidualPixels; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    z.col(k) << c.gx[i], c.gy[i], blurred ? c.ugx[i] : 0.0F, blurred ? c.ugy[i] : 0.0F, -c.normalized[i], -1.0F, c.r[i];
-    z.col(k) *= std::sqrt(c.weight[i]);
-  }
-  return z * z.transpose();
-}
-
-MomentMatrix pathJacobian(const PairGeometry& pair, const PatchPath& path, const Eigen::Vector2d& pixel,
-                          double host_row) {
+/// Of the path and the brightness.
+void fillJacobian(const PairGeometry& pair, const PatchPath& path, const Eigen::Vector2d& pixel, double host_row,
+                  MomentProducts<kPath>& products) {
   const std::array<Matrix2C, 2> correction = calibrationJacobian(pair, path, pixel, host_row);
-  MomentMatrix E = MomentMatrix::Zero();
   for (std::size_t i = 0; i < 2; ++i) {
-    E.middleRows<2>(2 * static_cast<int>(i)) << path.J_pose[i], path.J_inverse_depth[i], correction[i];
+    products.E.middleRows<2>(2 * static_cast<int>(i)) << path.J_pose[i], path.J_inverse_depth[i], correction[i];
   }
-  E.bottomRightCorner<1, CalibrationCorrection::kVignetteDim>() =
+  products.E.block<1, CalibrationCorrection::kVignetteDim>(4, kPath - CalibrationCorrection::kVignetteDim) =
       (vignetteJacobian(pair.target_camera, pixel) - vignetteJacobian(pair.host_camera, path.c0.cast<double>()))
           .transpose();
-  return E;
 }
 
 }  // namespace
 
 CalibrationResidual assembleCalibration(const PairGeometry& pair, const PatchComparison& comparison,
                                         const PatchPath& path, const Eigen::Vector2d& pixel, double host_row) {
-  const Eigen::Matrix<double, 7, 7> S = productSums(comparison, pair.blurred);
-  const MomentMatrix E = pathJacobian(pair, path, pixel, host_row);
-  const Eigen::Matrix<double, kMoments, kPath> SE = S.topLeftCorner<kMoments, kMoments>() * E;
-  const Eigen::Matrix<double, kPath, kPath> H = E.transpose() * SE;
-  const Eigen::Matrix<double, 3, kPath> R = S.bottomLeftCorner<3, kMoments>() * E;  // J_a, J_b and r with the path
+  MomentProducts<kPath> products;
+  fillJacobian(pair, path, pixel, host_row, products);
+  const SparsePixels none{};
+  const PatchComparison& c = comparison;
+  multiplyOut(c.weight,
+              {&c.gx, &c.gy, pair.blurred ? &c.ugx : &none, pair.blurred ? &c.ugy : &none, &c.J_a, &none, &c.r,
+               &kJacobianOfOffset},
+              kMoments, kPath, products);
+  const auto& S = products.S;
+  const auto& H = products.ESE;
+  const auto a = products.SE.row(4);  // with the path, like r and b
+  const auto r = products.SE.row(6);
+  const auto b = products.SE.row(7);
   CalibrationResidual out;
-  out.H << H.topLeftCorner<6, 6>(), R.topLeftCorner<2, 6>().transpose(), R.topLeftCorner<2, 6>(), S.block<2, 2>(4, 4);
-  out.b << R.row(2).head<6>().transpose(), S.block<2, 1>(4, 6);
-  out.H_state_correction << H.topRightCorner<6, kDim>(), R.topRightCorner<2, kDim>();
+  out.H << H.topLeftCorner<6, 6>(), a.head<6>().transpose(), b.head<6>().transpose(),  //
+      a.head<6>(), S(4, 4), S(4, 7), b.head<6>(), S(7, 4), S(7, 7);
+  out.b << r.head<6>().transpose(), S(4, 6), S(7, 6);
+  out.H_state_correction << H.topRightCorner<6, kDim>(), a.tail<kDim>(), b.tail<kDim>();
   out.correction.H = H.bottomRightCorner<kDim, kDim>();
-  out.correction.b = R.row(2).tail<kDim>().transpose();
-  out.H_state_depth << H.block<6, 1>(0, 6), R.block<2, 1>(0, 6);
+  out.correction.b = r.tail<kDim>().transpose();
+  out.H_state_depth << H.block<6, 1>(0, 6), a(6), b(6);
   out.H_correction_depth = H.block<kDim, 1>(7, 6);
   out.H_depth = H(6, 6);
-  out.b_depth = R(2, 6);
+  out.b_depth = r(6);
   return out;
 }
 

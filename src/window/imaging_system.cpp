@@ -133,6 +133,10 @@ LinearizedWindow assemble(const WindowState& state, const WindowEvaluation& eval
   LinearizedWindow out;
   out.setZero(layout.size(), static_cast<int>(evaluation.points.size()));
   std::vector<PairSystem> sums(pairs.size());
+  std::vector<Matrix8> J_host(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (pairs[i].path) J_host[i] = currentHostJacobian(pairs[i]);
+  }
   PatchPath path;
   for (std::size_t row = 0; row < evaluation.points.size(); ++row) {
     const PointState& point = state.points[static_cast<std::size_t>(evaluation.points[row])];
@@ -151,14 +155,13 @@ LinearizedWindow assemble(const WindowState& state, const WindowEvaluation& eval
               pair.host_camera.rowDelay(point.pixel.y()) / half_readout};
       }
       sums[index].add(terms, at);
-      addDepth(terms, at, currentHostJacobian(pair), point.host, residual.target, layout,
-               static_cast<Eigen::Index>(row), out);
+      addDepth(terms, at, J_host[index], point.host, residual.target, layout, static_cast<Eigen::Index>(row), out);
     }
   }
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const int host = static_cast<int>(i) / n;
     const int target = static_cast<int>(i) % n;
-    if (pairs[i].path) addPair(sums[i], currentHostJacobian(pairs[i]), host, target, layout, out);
+    if (pairs[i].path) addPair(sums[i], J_host[i], host, target, layout, out);
   }
   return out;
 }

@@ -19,33 +19,32 @@ constexpr std::size_t kPatchesPerChunk = 64;  // in one piece of parallel work
 constexpr double kMaxDrift = 0.75;            // [px] beyond it a patch gets new pixels
 constexpr double kMotionError = 0.5;          // [px] of the motion by the frames around
 constexpr int kMostEvaluations = 6;
-constexpr double kLeastStep = 0.01;    // [px]
-constexpr int kPathRows = 6;           // moments of the gradient with 1, u and u^2
-constexpr int kTerms = kPathRows + 3;  // and J_a, J_b, r
+constexpr double kLeastStep = 0.01;  // [px]
+constexpr int kPathRows = 6;         // moments of the gradient with 1, u and u^2
 
-using PathJacobian = Eigen::Matrix<double, kPathRows, 12>;  // by the pose and by xi
-using Products = Eigen::Matrix<double, kTerms, kTerms>;
+using Products = MomentProducts<16>;
+using PathJacobian = Products::Rows<kPathRows>;  // by the pose and by xi, 12 columns
 
 /// What moves the moments of the gradient. An increment of xi moves the camera, `row` exposures after the middle row,
 /// by (u + row) J_l(u xi) of it, to first order in xi.
 PathJacobian pathJacobian(const PatchPath& path, const Vector6& xi, double row) {
   const Matrix26 J_xi_0 = path.J_pose[0];
   const Matrix26 J_xi_1 = path.J_pose[1] + 0.5 * path.J_pose[0].lazyProduct(smallAdjoint(xi));
-  PathJacobian E;
-  E << path.J_pose[0], row * J_xi_0,  //
+  PathJacobian E = PathJacobian::Zero();
+  E.leftCols<12>() << path.J_pose[0], row * J_xi_0,  //
       path.J_pose[1], J_xi_0 + row * J_xi_1, Matrix26::Zero(), J_xi_1;
   return E;
 }
 
-Products productSums(const PatchComparison& c, const ReblurredPatch& reblurred) {
-  Eigen::Matrix<double, kTerms, kResidualPixels> z;
-  for (int k = 0; k < kResidualPixels; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    z.col(k) << c.gx[i], c.gy[i], c.ugx[i], c.ugy[i], -c.gain * reblurred.uugx[i], -c.gain * reblurred.uugy[i],
-        -c.normalized[i], -1.0F, c.r[i];
-    z.col(k) *= std::sqrt(c.weight[i]);
+void multiplyOut(const PatchComparison& c, const ReblurredPatch& reblurred, Products& products) {
+  SparsePixels uugx;
+  SparsePixels uugy;
+  for (std::size_t k = 0; k < kResidualPixels; ++k) {
+    uugx[k] = -c.gain * reblurred.uugx[k];
+    uugy[k] = -c.gain * reblurred.uugy[k];
   }
-  return z * z.transpose();
+  mba_vo::multiplyOut(c.weight, {&c.gx, &c.gy, &c.ugx, &c.ugy, &uugx, &uugy, &c.J_a, &kJacobianOfOffset, &c.r},
+                      kPathRows, 12, products);
 }
 
 }  // namespace
@@ -156,26 +155,27 @@ void MotionAlignment::addPatch(const Patch& patch, const PairGeometry& pair, con
   const double energy = static_cast<double>(seen ? comparison.energy : patch.residual.energy);  // leaving never pays
   equations.cost += 0.5 * std::min(energy, limit);
   if (!seen || energy > limit) return;
-  const Products S = productSums(comparison, reblurred);
   const double exposure = target.exposure();
   const double delay = pair.target_camera.rowDelay(static_cast<double>(patch.residual.centre.y()));
-  const PathJacobian E = pathJacobian(path, target.xi, exposure > 0.0 ? delay / exposure : 0.0);
-  const PathJacobian SE = S.topLeftCorner<kPathRows, kPathRows>() * E;
-  const Eigen::Matrix<double, 12, 12> H = E.transpose() * SE;
-  const Eigen::Matrix<double, 3, 12> R = S.bottomLeftCorner<3, kPathRows>() * E;  // J_a, J_b and r with the path
+  Products products;
+  products.E = pathJacobian(path, target.xi, exposure > 0.0 ? delay / exposure : 0.0);
+  multiplyOut(comparison, reblurred, products);
+  const auto& S = products.S;
+  const auto& H = products.ESE;
+  const auto R = products.SE.middleRows<3>(kPathRows);  // J_a, J_b and r with the path
   auto& h = equations.hessian;
   h.topLeftCorner<6, 6>() += H.topLeftCorner<6, 6>();
   h.block<6, 6>(8, 0) += H.block<6, 6>(6, 0);
   h.block<6, 6>(0, 8) += H.block<6, 6>(0, 6);
-  h.bottomRightCorner<6, 6>() += H.bottomRightCorner<6, 6>();
+  h.bottomRightCorner<6, 6>() += H.block<6, 6>(6, 6);
   h.block<2, 6>(6, 0) += R.block<2, 6>(0, 0);
   h.block<6, 2>(0, 6) += R.block<2, 6>(0, 0).transpose();
   h.block<2, 6>(6, 8) += R.block<2, 6>(0, 6);
   h.block<6, 2>(8, 6) += R.block<2, 6>(0, 6).transpose();
   h.block<2, 2>(6, 6) += S.block<2, 2>(kPathRows, kPathRows);
   equations.gradient.head<6>() += R.row(2).head<6>().transpose();
-  equations.gradient.tail<6>() += R.row(2).tail<6>().transpose();
-  equations.gradient.segment<2>(6) += S.block<2, 1>(kPathRows, kTerms - 1);
+  equations.gradient.tail<6>() += R.row(2).segment<6>(6).transpose();
+  equations.gradient.segment<2>(6) += S.block<2, 1>(kPathRows, kPathRows + 2);
 }
 
 void MotionAlignment::addPrior(const KeyframeMotion& motion, NormalEquations<kStates>& equations) const {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include <Eigen/LU>
 
@@ -37,7 +36,6 @@ void readTarget(const PairGeometry& pair, const Eigen::Vector2i& centre, double 
 }
 
 constexpr int kPixels = kResidualPixels;
-constexpr int kSize = 8;  // of z = [gx gy ugx ugy, J_a, J_b, r], padded
 
 /// Residuals of all pixels.
 MBA_VO_MULTIVERSION
@@ -52,7 +50,7 @@ void comparePixels(const PairGeometry& pair, const PatchResidual& residual, cons
     comparison.gy[k] = -gain * reblurred.gy[k];
     comparison.ugx[k] = -gain * reblurred.ugx[k];
     comparison.ugy[k] = -gain * reblurred.ugy[k];
-    comparison.normalized[k] = normalized;
+    comparison.J_a[k] = -normalized;
     comparison.r[k] = residual.intensity[k] - normalized - offset_target;
   }
 }
@@ -71,57 +69,6 @@ float weighPixels(const std::array<float, kResidualPixels>& r, const std::array<
     energy[k] = w * r[k] * r[k] * (2.0F - huber);
   }
   return ((energy[0] + energy[4]) + (energy[2] + energy[6])) + ((energy[1] + energy[5]) + (energy[3] + energy[7]));
-}
-
-using FloatRow = float __attribute__((vector_size(kSize * sizeof(float))));
-using DoubleRow = double __attribute__((vector_size(kSize * sizeof(double))));
-
-/// Products of the sums S = sum_k w_k z_k z_k^T over the pixels with the Jacobians E of pose and inverse depth.
-struct JacobianProducts {
-  alignas(64) double E[4][kSize];        // d path / d (pose, inverse depth), zero padding
-  alignas(64) double S[kSize][kSize];    // symmetric
-  alignas(64) double SE[kSize][kSize];   // S E
-  alignas(64) double ESE[kSize][kSize];  // E^T S E
-};
-
-/// From S on in double: it is rounded but common to all blocks, so that directions which cannot be observed stay
-/// unobserved.
-MBA_VO_MULTIVERSION
-void multiplyOut(const PatchComparison& c, int rows, JacobianProducts& p) {
-  alignas(64) float z[kPixels][kSize];  // times sqrt(w), so that S is symmetric to the last bit
-  for (std::size_t k = 0; k < kPixels; ++k) {
-    const float root = std::sqrt(c.weight[k]);
-    z[k][0] = root * c.gx[k];
-    z[k][1] = root * c.gy[k];
-    z[k][2] = root * c.ugx[k];
-    z[k][3] = root * c.ugy[k];
-    z[k][4] = -root * c.normalized[k];
-    z[k][5] = -root;
-    z[k][6] = root * c.r[k];
-    z[k][7] = 0.0F;
-  }
-  FloatRow sums[kSize - 1] = {};
-  for (const auto& pixel : z) {
-    FloatRow row;
-    std::memcpy(&row, pixel, sizeof(row));
-    for (int i = 0; i < kSize - 1; ++i) sums[i] += pixel[i] * row;
-  }
-  DoubleRow E[4];
-  std::memcpy(E, p.E, sizeof(E));
-  for (int i = 0; i < kSize - 1; ++i) {
-    const DoubleRow S = __builtin_convertvector(sums[i], DoubleRow);
-    DoubleRow SE = S[0] * E[0] + S[1] * E[1];
-    if (rows > 2) SE += S[2] * E[2] + S[3] * E[3];
-    std::memcpy(p.S[i], &S, sizeof(S));
-    std::memcpy(p.SE[i], &SE, sizeof(SE));
-  }
-  DoubleRow SE[4];
-  std::memcpy(SE, p.SE, sizeof(SE));
-  for (int q = 0; q < kSize - 1; ++q) {
-    DoubleRow ESE = p.E[0][q] * SE[0] + p.E[1][q] * SE[1];
-    if (rows > 2) ESE += p.E[2][q] * SE[2] + p.E[3][q] * SE[3];
-    std::memcpy(p.ESE[q], &ESE, sizeof(ESE));
-  }
 }
 
 }  // namespace
@@ -182,32 +129,18 @@ void weighComparison(const PairGeometry& pair, const PatchResidual& residual, co
   comparison.energy = weighPixels(comparison.r, weight, threshold, comparison.weight);
 }
 
-void assembleSystem(const PatchComparison& comparison, const PatchPath& path, bool blurred, ResidualSystem& system) {
-  JacobianProducts p;
-  const int rows = blurred ? 4 : 2;  // sharp patches have no moments in u
-  for (int i = 0; i < 4; ++i) {
-    const auto part = static_cast<std::size_t>(i / 2);
-    for (int c = 0; c < 6; ++c) p.E[i][c] = path.J_pose[part](i % 2, c);
-    p.E[i][6] = path.J_inverse_depth[part](i % 2);
-    p.E[i][7] = 0.0;
-  }
-  multiplyOut(comparison, rows, p);
-  for (int c = 0; c < 6; ++c) {
-    for (int q = 0; q < 6; ++q) system.H(q, c) = p.ESE[c][q];
-    system.H(6, c) = system.H(c, 6) = p.SE[4][c];
-    system.H(7, c) = system.H(c, 7) = p.SE[5][c];
-    system.b(c) = p.SE[6][c];
-    system.H_state_depth(c) = p.ESE[6][c];
-  }
-  system.H(6, 6) = p.S[4][4];
-  system.H(6, 7) = system.H(7, 6) = p.S[4][5];
-  system.H(7, 7) = p.S[5][5];
-  system.b(6) = p.S[4][6];
-  system.b(7) = p.S[5][6];
-  system.H_state_depth(6) = p.SE[4][6];
-  system.H_state_depth(7) = p.SE[5][6];
-  system.H_depth = p.ESE[6][6];
-  system.b_depth = p.SE[6][6];
+void assembleSystem(const PatchComparison& c, const PatchPath& path, bool blurred, ResidualSystem& system) {
+  MomentProducts<8> p;
+  p.E.block<2, 7>(0, 0) << path.J_pose[0], path.J_inverse_depth[0];
+  p.E.block<2, 7>(2, 0) << path.J_pose[1], path.J_inverse_depth[1];
+  // Sharp patches have no moments in u.
+  multiplyOut(c.weight, {&c.gx, &c.gy, &c.ugx, &c.ugy, &c.J_a, &kJacobianOfOffset, &c.r}, blurred ? 4 : 2, 7, p);
+  system.H << p.ESE.topLeftCorner<6, 6>(), p.SE.block<2, 6>(4, 0).transpose(),  //
+      p.SE.block<2, 6>(4, 0), p.S.block<2, 2>(4, 4);
+  system.b << p.SE.block<1, 6>(6, 0).transpose(), p.S.block<2, 1>(4, 6);
+  system.H_state_depth << p.ESE.block<1, 6>(6, 0).transpose(), p.SE.block<2, 1>(4, 6);
+  system.H_depth = p.ESE(6, 6);
+  system.b_depth = p.SE(6, 6);
 }
 
 DepthSystem assembleDepth(const PatchComparison& comparison, const PatchPath& path, bool blurred) {

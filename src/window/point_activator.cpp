@@ -29,7 +29,7 @@ PointActivator::PointActivator(Window& window, const PinholeCamera& camera, Keyf
 }
 
 void PointActivator::activateFound(KeyframeId host, std::vector<ImmaturePoint>& immature) {
-  const SurfaceSlopes slopes(camera_, pointsSeenBy(window_, known_, camera_, host));
+  std::optional<SurfaceSlopes> slopes;  // few hosts need any
   const SE3 T_newest_host = T_newest_map_ * window_.T_map_keyframe(host);
   eraseIf(immature, [&](const ImmaturePoint& point) {
     if (point.state == ImmaturePoint::State::kOutlier) return true;
@@ -37,7 +37,8 @@ void PointActivator::activateFound(KeyframeId host, std::vector<ImmaturePoint>& 
     const auto seen = see(T_newest_host, point, point.inverseDepth());
     if (!seen) return true;
     if (!grid_.isFree(*seen)) return false;
-    activate(host, point, point.inverseDepth(), slopes, *seen);
+    if (!slopes) slopes.emplace(camera_, pointsSeenBy(window_, known_, camera_, host));
+    activate(host, point, point.inverseDepth(), *slopes, *seen);
     return true;
   });
 }

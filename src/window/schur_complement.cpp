@@ -1,7 +1,9 @@
 #include "mba_vo/window/schur_complement.h"
 
+#include <cstdint>
 #include <cstring>
 #include <stdexcept>
+#include <vector>
 
 #include "mba_vo/blur/multiversion.h"
 
@@ -12,17 +14,52 @@ constexpr int kBlock = 8;  // states of a keyframe
 using BlockRow = double __attribute__((vector_size(kBlock * sizeof(double))));
 using Block = Eigen::Matrix<double, kBlock, kBlock, Eigen::RowMajor>;
 
-/// A^T B of two blocks of columns, row after row, all sums in registers.
+/// A^T B of two blocks of columns that begin at a and b, over the given rows of a matrix, all sums in registers.
 MBA_VO_MULTIVERSION
-void multiplyBlocks(const double* a, const double* b, Eigen::Index rows, Eigen::Index stride, double* out) {
+void multiplyBlocks(const double* a, const double* b, const Eigen::Index* row, const Eigen::Index* end,
+                    Eigen::Index stride, double* out) {
   BlockRow sums[kBlock] = {};
-  for (Eigen::Index row = 0; row < rows; ++row, a += stride, b += stride) {
+  for (; row != end; ++row) {
+    const double* const left = a + *row * stride;
     BlockRow right;
-    std::memcpy(&right, b, sizeof(right));
-    for (int i = 0; i < kBlock; ++i) sums[i] += a[i] * right;
+    std::memcpy(&right, b + *row * stride, sizeof(right));
+    for (int i = 0; i < kBlock; ++i) sums[i] += left[i] * right;
   }
   std::memcpy(out, sums, sizeof(sums));
 }
+
+/// Which rows of each block of columns are not zero: most keyframes see but a part of the points.
+class BlockRows {
+ public:
+  explicit BlockRows(const LinearizedWindow::RowMatrix& V)
+      : rows_(V.rows()), used_(static_cast<std::size_t>(V.size() / kBlock)), common_(static_cast<std::size_t>(rows_)) {
+    auto used = used_.begin();
+    for (Eigen::Index column = 0; column < V.cols(); column += kBlock) {
+      for (Eigen::Index row = 0; row < rows_; ++row) {
+        *used++ = (V.row(row).segment<kBlock>(column).array() != 0.0).any() ? 1 : 0;
+      }
+    }
+  }
+
+  /// Those of both blocks, in order.
+  const std::vector<Eigen::Index>& common(Eigen::Index block_a, Eigen::Index block_b) {
+    const std::uint8_t* const a = used_.data() + block_a * rows_;
+    const std::uint8_t* const b = used_.data() + block_b * rows_;
+    common_.resize(static_cast<std::size_t>(rows_));
+    std::size_t count = 0;
+    for (Eigen::Index row = 0; row < rows_; ++row) {  // without branches, which nobody could predict
+      common_[count] = row;
+      count += static_cast<std::size_t>(a[row] & b[row]);
+    }
+    common_.resize(count);
+    return common_;
+  }
+
+ private:
+  Eigen::Index rows_;
+  std::vector<std::uint8_t> used_;  // block after block
+  std::vector<Eigen::Index> common_;
+};
 
 }  // namespace
 
@@ -41,10 +78,14 @@ void SchurComplement::reduce(const LinearizedWindow& system, double lambda, Redu
   scaled_ = inverse_H_depth_.cwiseSqrt().asDiagonal() * system.V;
   const Eigen::Index states = scaled_.cols();
   if (states % kBlock != 0) throw std::invalid_argument("schur complement: states of a keyframe are missing");
+  BlockRows rows(scaled_);
   Block product;
   for (Eigen::Index i = 0; i < states; i += kBlock) {
     for (Eigen::Index j = 0; j <= i; j += kBlock) {
-      multiplyBlocks(scaled_.data() + i, scaled_.data() + j, scaled_.rows(), states, product.data());
+      const std::vector<Eigen::Index>& common = rows.common(i / kBlock, j / kBlock);
+      if (common.empty()) continue;
+      multiplyBlocks(scaled_.data() + i, scaled_.data() + j, common.data(), common.data() + common.size(), states,
+                     product.data());
       reduced.H.block<kBlock, kBlock>(i, j) -= product;
       if (i != j) reduced.H.block<kBlock, kBlock>(j, i) -= product.transpose();
     }

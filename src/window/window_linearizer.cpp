@@ -13,11 +13,17 @@ namespace {
 constexpr int kMaxChunks = 16;
 constexpr int kMinChunkPoints = 64;
 
+std::size_t rowsPerChunk(std::size_t rows) {
+  return std::max<std::size_t>(kMinChunkPoints, (rows + kMaxChunks - 1) / kMaxChunks);
+}
+
+std::size_t chunksOf(std::size_t rows) { return (rows + rowsPerChunk(rows) - 1) / rowsPerChunk(rows); }
+
 /// Calls body(chunk, row) for all rows, those of different chunks on different threads.
 template <typename Body>
 void forEachRow(std::size_t rows, const Body& body) {
-  const std::size_t chunk_rows = std::max<std::size_t>(kMinChunkPoints, (rows + kMaxChunks - 1) / kMaxChunks);
-  parallelFor((rows + chunk_rows - 1) / chunk_rows, [&](std::size_t chunk) {
+  const std::size_t chunk_rows = rowsPerChunk(rows);
+  parallelFor(chunksOf(rows), [&](std::size_t chunk) {
     const std::size_t end = std::min((chunk + 1) * chunk_rows, rows);
     for (std::size_t row = chunk * chunk_rows; row < end; ++row) body(chunk, row);
   });
@@ -208,7 +214,7 @@ void WindowLinearizer::assemble(const WindowState& state, const WindowEvaluation
   const int n = state.size();
   const std::vector<PairGeometry>& pairs = evaluation.pairs;
   out.setZero(kKeyframeDim * n, static_cast<int>(evaluation.points.size()));
-  std::vector<Chunk> chunks(kMaxChunks);
+  std::vector<Chunk> chunks(chunksOf(evaluation.points.size()));
   for (Chunk& chunk : chunks) chunk.pairs.resize(pairs.size());
   forEachRow(evaluation.points.size(), [&](std::size_t chunk, std::size_t row) {
     assemblePoint(state, evaluation, static_cast<int>(row), chunks[chunk], out);

@@ -7,6 +7,9 @@ namespace mba_vo {
 namespace {
 
 constexpr double kMaxRefinedFactor = 2.0;  // by which one step may change the inverse depth
+constexpr float kMaxPointDrift = 0.75F;    // [px] beyond it a residual gets new pixels
+
+bool hasDrifted(const PatchResidual& residual) { return residual.has_pixels && residual.drift > kMaxPointDrift; }
 
 }  // namespace
 
@@ -19,8 +22,11 @@ WindowPointActivation::Evaluation WindowPointActivation::evaluate(const WindowSt
   for (PatchResidual& residual : point.residuals) {
     const PairGeometry& pair = pairs[static_cast<std::size_t>(point.host * state.size() + residual.target)];
     const double limit = state.keyframe(residual.target).outlier_energy;
-    if (place_pixels) placePixels(pair, point.pixel, point.inverse_depth, residual_options_, residual, point.slope);
+    if (place_pixels && (!residual.has_pixels || hasDrifted(residual))) {
+      placePixels(pair, point.pixel, point.inverse_depth, residual_options_, residual, point.slope);
+    }
     const bool seen = residual.has_pixels && makePath(pair, residual.centre, point, path);
+    if (seen) residual.drift = projectionDrift(path, point.pixel);
     if (!seen || !comparePatch(pair, path, residual, residual_options_, comparison)) {
       // Leaving an image never pays: the energy before the step, if any, still counts.
       if (!std::isnan(residual.energy)) total.cost += std::min(static_cast<double>(residual.energy), limit);
@@ -60,26 +66,27 @@ std::optional<PointState> WindowPointActivation::activate(const WindowState& sta
   point.inverse_depth = inverse_depth;
   point.slope = slope;
   point.measured = measured;
+  point.residuals.resize(state.keyframes.size() - 1);
   for (int t = 0; t < state.size(); ++t) {
-    if (t == host) continue;
-    PatchResidual residual;
-    residual.target = t;
-    point.residuals.push_back(residual);
+    if (t != host) point.residuals[static_cast<std::size_t>(t < host ? t : t - 1)].target = t;
   }
-  // Pixels move with the point between steps; before and after one step the same are compared.
+  // Pixels follow the point between steps; before and after one step the same are compared.
   Evaluation current = evaluate(state, pairs, true, point);
   double lambda = 1e-3;
+  PointState trial;
   for (int i = 0; i < options_.max_iterations && current.H > 0.0; ++i) {
-    PointState trial = point;
     const double factor = 1.0 - current.b / (current.H * (1.0 + lambda)) / point.inverse_depth;
     if (std::abs(factor - 1.0) < options_.min_relative_step) break;
+    trial = point;
     trial.inverse_depth *= std::clamp(factor, 1.0 / kMaxRefinedFactor, kMaxRefinedFactor);
-    if (evaluate(state, pairs, false, trial).cost >= current.cost) {
+    const Evaluation tried = evaluate(state, pairs, false, trial);
+    if (tried.cost >= current.cost) {
       lambda = std::max(lambda, 0.1) * 5.0;
       continue;
     }
-    point = std::move(trial);
-    current = evaluate(state, pairs, true, point);
+    std::swap(point, trial);
+    const bool drifted = std::any_of(point.residuals.begin(), point.residuals.end(), hasDrifted);
+    current = drifted ? evaluate(state, pairs, true, point) : tried;
     lambda *= 0.1;
   }
   if (!acceptable(state, point, current)) return std::nullopt;

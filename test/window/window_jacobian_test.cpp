@@ -195,7 +195,7 @@ TEST_P(WindowJacobian, OfTheVignetteIsThatOfALackingOne) {
       Eigen::VectorXd r(2 * kResidualPixels);
       for (std::size_t k = 0; k < kResidualPixels; ++k) {
         r(static_cast<Eigen::Index>(k)) = comparison.r[k];
-        r(static_cast<Eigen::Index>(k + kResidualPixels)) = comparison.normalized[k];
+        r(static_cast<Eigen::Index>(k + kResidualPixels)) = -comparison.J_a[k];
       }
       return r;
     };

@@ -9,18 +9,21 @@
 namespace mba_vo {
 namespace {
 
-/// A random least-squares problem: `states` camera states, `points` depths, each depth in four residuals of its own.
+/// A random least-squares problem: `states` camera states, `points` depths, each depth in four residuals of its own,
+/// which only some of the keyframes have a part in: every `stride`-th, beginning with another one from point to point.
 struct Problem {
   LinearizedWindow system;
   Eigen::MatrixXd H_full;
   Eigen::VectorXd b_full;
 };
 
-Problem randomProblem(test::Random& random, int states, int points) {
+Problem randomProblem(test::Random& random, int states, int points, int stride = 1) {
   const int rows = 4 * points;
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(rows, states + points);
-  J.leftCols(states) = random.matrix(rows, states);
-  for (int p = 0; p < points; ++p) J.block(4 * p, states + p, 4, 1) = random.matrix(4, 1);
+  for (int p = 0; p < points; ++p) {
+    J.block(4 * p, states + p, 4, 1) = random.matrix(4, 1);
+    for (int k = p % stride; 8 * k < states; k += stride) J.block(4 * p, 8 * k, 4, 8) = random.matrix(4, 8);
+  }
   const Eigen::VectorXd r = random.matrix(rows, 1);
   Problem problem;
   problem.H_full = J.transpose() * J;
@@ -37,7 +40,7 @@ TEST(SchurComplement, StepEqualsDenseSolution) {
   test::Random random(1);
   for (const int states : {8, 24, 56, 120}) {
     const int points = 3 * states;
-    const Problem problem = randomProblem(random, states, points);
+    const Problem problem = randomProblem(random, states, points, states > 100 ? 4 : 1);
     SchurComplement schur;
     ReducedSystem reduced;
     ReducedCameraSolver solver;

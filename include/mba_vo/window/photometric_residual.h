@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "mba_vo/blur/moment_products.h"
 #include "mba_vo/blur/reblur.h"
 #include "mba_vo/window/pair_geometry.h"
 
@@ -26,15 +27,18 @@ float projectionDrift(const PatchPath& path, const Eigen::Vector2d& host_pixel);
 
 /// A residual's pixels beside the re-blurred host: r = B_target - (gain (B_reblurred - b_host) + b_target).
 struct PatchComparison {
-  using Pixels = std::array<float, kResidualPixels>;
+  using Pixels = SparsePixels;
   alignas(64) Pixels gx, gy, ugx, ugy;  // moments of the host's gradient along the blur path, times -gain
-  Pixels normalized;                    // gain (B_reblurred - b_host)
+  Pixels J_a;                           // -gain (B_reblurred - b_host)
   Pixels r;                             // [grey levels]
   float gain = 1.0F;                    // with the vignettes that the images lack
   Pixels weight;                        // of r^2, with Huber's and the precision [1 / grey level^2]
   float energy = 0.0F;                  // Huber energy, with the precision
   float misfit = 0.0F;                  // with the options' threshold and without the precision [grey levels^2]
 };
+
+/// Of the residual's pixels by the target's b.
+inline constexpr SparsePixels kJacobianOfOffset{-1.0F, -1.0F, -1.0F, -1.0F, -1.0F, -1.0F, -1.0F, -1.0F};
 
 /// False if the path leaves the host.
 bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,

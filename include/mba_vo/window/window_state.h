@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "mba_vo/blur/moment_products.h"
 #include "mba_vo/geometry/calibration_correction.h"
 #include "mba_vo/geometry/exposure_trajectory.h"
 #include "mba_vo/image/image_pyramid.h"
@@ -14,7 +15,7 @@
 namespace mba_vo {
 
 /// Pixels of one residual: the pattern PatchPattern::spread8().
-inline constexpr int kResidualPixels = 8;
+inline constexpr int kResidualPixels = kSparsePixels;
 
 /// A keyframe's state: T_map_keyframe = T_linear Exp(delta[0..5]), a = a_linear + delta[6], b = b_linear + delta[7].
 /// Jacobians are taken at the linearisation point. It follows the estimate until the keyframe is part of the
