@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Cholesky>
 
 #include "mba_vo/evaluation/association.h"
+#include "mba_vo/evaluation/statistics.h"
 #include "mba_vo/evaluation/true_motion.h"
 #include "mba_vo/geometry/angles.h"
 

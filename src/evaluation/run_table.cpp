@@ -1,9 +1,9 @@
 #include <iomanip>
-#include <limits>
 
 #include "mba_vo/evaluation/report_format.h"
 #include "mba_vo/evaluation/report_writer.h"
 #include "mba_vo/evaluation/run_report_writer.h"
+#include "mba_vo/evaluation/statistics.h"
 
 namespace mba_vo {
 namespace {
