@@ -31,7 +31,8 @@ endforeach()
 
 # In Python, with python3-yaml and, for pictures, python3-matplotlib.
 if(MBA_VO_TESTS)
-  add_test(NAME mba_vo_benchmark COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/benchmark/benchmark_test.py)
+  add_test(NAME mba_vo_benchmark COMMAND /usr/bin/python3 -m unittest discover
+           --start-directory ${CMAKE_CURRENT_SOURCE_DIR}/test/benchmark --pattern *_test.py)
   set_tests_properties(mba_vo_benchmark PROPERTIES TIMEOUT 300)
 endif()
 

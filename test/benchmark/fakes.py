@@ -1,7 +1,11 @@
-"""Programs that stand in for mba_vo_offline and mba_vo_evaluate: they do what the path of the sequence says."""
+"""Programs that stand in for mba_vo_offline and mba_vo_evaluate: they do what the path of the sequence says. And a folder
+of its own for each test."""
 import os
 import pathlib
 import stat
+import tempfile
+import textwrap
+import unittest
 
 OFFLINE = """#!/bin/sh
 # SEQUENCE --output FOLDER OPTION...
@@ -71,3 +75,15 @@ def alive(process):
 
 def files_below(folder):
     return sorted(os.path.relpath(os.path.join(root, name), folder) for root, _, names in os.walk(folder) for name in names)
+
+
+class InFolder(unittest.TestCase):
+    def setUp(self):
+        self._temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(self._temporary.cleanup)
+        self.folder = pathlib.Path(self._temporary.name)
+
+    def write(self, text, name="experiment.yaml"):
+        file = self.folder / name
+        file.write_text(textwrap.dedent(text))
+        return file
