@@ -67,4 +67,4 @@ mba_vo_tool_test(simulate_long_exposure mba_vo_simulate "exposure = 0.05[0-9]* s
   --output out --exposure 0.05)
 mba_vo_tool_test(simulate_wrong_lens mba_vo_simulate "distortion_model = 'barrel' is none of"
   --output out --distortion-model barrel)
-mba_vo_tool_test(check_nothing_there mba_vo_check "/nonexistent: no such sequence folder or bag" /nonexistent)
+mba_vo_tool_test(check_nothing_there mba_vo_check "/nonexistent: no such folder or bag" /nonexistent)

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mba_vo/image/point_selector.h"
+#include "mba_vo/simulation/hand_held_motion.h"
 #include "mba_vo/simulation/room_builder.h"
 #include "mba_vo/tracking/keyframe_policy.h"
 #include "mba_vo/tracking/motion_state.h"
