@@ -8,7 +8,7 @@
 namespace mba_vo {
 namespace {
 
-template <int kWidth>
+template <int Width>
 struct Vectors;
 template <>
 struct Vectors<8> {
@@ -22,12 +22,12 @@ struct Vectors<16> {
 };
 
 /// Inlined into each of the versions below.
-template <int kWidth>
+template <int Width>
 [[gnu::always_inline]] inline void multiply(const float* __restrict weight, const SparsePixels* const* terms, int count,
-                                            int moments, int parameters, MomentProducts<kWidth>& p) {
-  using FloatRow = typename Vectors<kWidth>::Floats;
-  using DoubleRow = typename Vectors<kWidth>::Doubles;
-  alignas(64) float z[kSparsePixels][kWidth] = {};  // times sqrt(w)
+                                            int moments, int parameters, MomentProducts<Width>& p) {
+  using FloatRow = typename Vectors<Width>::Floats;
+  using DoubleRow = typename Vectors<Width>::Doubles;
+  alignas(64) float z[kSparsePixels][Width] = {};  // times sqrt(w)
   for (int k = 0; k < kSparsePixels; ++k) {
     const float root = std::sqrt(weight[k]);
     for (int i = 0; i < count; ++i) z[k][i] = root * (*terms[i])[static_cast<std::size_t>(k)];
@@ -43,21 +43,21 @@ template <int kWidth>
     DoubleRow SE = {};
     for (int m = 0; m < moments; m += 2) {
       DoubleRow E[2];
-      std::memcpy(E, p.E.data() + kWidth * m, sizeof(E));
+      std::memcpy(E, p.E.data() + Width * m, sizeof(E));
       SE += S[m] * E[0] + S[m + 1] * E[1];
     }
-    std::memcpy(p.S.data() + kWidth * i, &S, sizeof(S));
-    std::memcpy(p.SE.data() + kWidth * i, &SE, sizeof(SE));
+    std::memcpy(p.S.data() + Width * i, &S, sizeof(S));
+    std::memcpy(p.SE.data() + Width * i, &SE, sizeof(SE));
   }
   for (int q = 0; q < parameters; ++q) {
     DoubleRow ESE = {};
     const double* const E = p.E.data() + q;
     for (int m = 0; m < moments; m += 2) {
       DoubleRow SE[2];
-      std::memcpy(SE, p.SE.data() + kWidth * m, sizeof(SE));
-      ESE += E[kWidth * m] * SE[0] + E[kWidth * (m + 1)] * SE[1];
+      std::memcpy(SE, p.SE.data() + Width * m, sizeof(SE));
+      ESE += E[Width * m] * SE[0] + E[Width * (m + 1)] * SE[1];
     }
-    std::memcpy(p.ESE.data() + kWidth * q, &ESE, sizeof(ESE));
+    std::memcpy(p.ESE.data() + Width * q, &ESE, sizeof(ESE));
   }
 }
 

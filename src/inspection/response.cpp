@@ -8,21 +8,21 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kLeastChange = 0.02;  // of the logarithm of the exposure, from image to image
-constexpr std::size_t kFewest = 10;    // images with such a change
-constexpr double kMostSigma = 0.05;    // of the power
-constexpr double kLeastPower = 0.3;    // a gamma of 3.3; below, the gain makes up for the exposure
-constexpr double kMostPower = 1.2;     // no camera has more
-constexpr double kLinear = 0.1;        // from 1, or
-constexpr double kSure = 4.0;          // standard deviations
+constexpr double kLeastChange = 0.02;       // of the logarithm of the exposure, from image to image
+constexpr std::size_t kFewestChanges = 10;  // images with such a change
+constexpr double kMostSigma = 0.05;         // of the power
+constexpr double kLeastPower = 0.3;         // a gamma of 3.3; below, the gain makes up for the exposure
+constexpr double kMostPower = 1.2;          // no camera has more
+constexpr double kLinear = 0.1;             // from 1, or
+constexpr double kSureResponse = 4.0;       // standard deviations
 constexpr int kRounds = 5;
 
-struct Sample {
+struct BrightnessChange {
   double exposure, brightness;  // changes of their logarithms
 };
 
-std::vector<Sample> samplesOf(const CameraFacts& facts) {
-  std::vector<Sample> samples;
+std::vector<BrightnessChange> samplesOf(const CameraFacts& facts) {
+  std::vector<BrightnessChange> samples;
   const std::vector<MatchedExposure> exposures = matchExposures(facts);
   for (std::size_t i = 1; i < exposures.size(); ++i) {
     const auto& motion = facts.images[i].motion;
@@ -36,14 +36,14 @@ std::vector<Sample> samplesOf(const CameraFacts& facts) {
 }  // namespace
 
 std::optional<ResponsePower> measureResponse(const CameraFacts& facts) {
-  const std::vector<Sample> samples = samplesOf(facts);
-  if (samples.size() < kFewest) return std::nullopt;
+  const std::vector<BrightnessChange> samples = samplesOf(facts);
+  if (samples.size() < kFewestChanges) return std::nullopt;
   ResponsePower result;
   double scale = 1e9;  // of the errors; what is far beyond does not count
   for (int round = 0; round < kRounds; ++round) {
     double product = 0.0, information = 0.0, squares = 0.0, weights = 0.0;
     std::vector<double> errors;
-    for (const Sample& s : samples) {
+    for (const BrightnessChange& s : samples) {
       const double error = s.brightness - result.power * s.exposure;
       const double weight = 1.0 / (1.0 + (error / scale) * (error / scale));
       errors.push_back(std::abs(error));
@@ -60,7 +60,7 @@ std::optional<ResponsePower> measureResponse(const CameraFacts& facts) {
 }
 
 bool isGamma(const std::optional<ResponsePower>& response) {
-  return response && 1.0 - response->power > std::max(kLinear, kSure * response->sigma);
+  return response && 1.0 - response->power > std::max(kLinear, kSureResponse * response->sigma);
 }
 
 std::vector<Finding> judgeResponse(const CameraFacts& facts) {

@@ -12,18 +12,18 @@ inline constexpr int kSparsePixels = 8;
 /// One number for each of its pixels.
 using SparsePixels = std::array<float, kSparsePixels>;
 
-/// Sums over the pixels of a sparse patch that normal equations are made of. A pixel has up to `kWidth` terms z, for
-/// instance moments of the gradient and a residual; the first ones, the moments, move with up to `kWidth` parameters.
-template <int kWidth>
+/// Sums over the pixels of a sparse patch that normal equations are made of. A pixel has up to `Width` terms z, for
+/// instance moments of the gradient and a residual; the first ones, the moments, move with up to `Width` parameters.
+template <int Width>
 struct MomentProducts {
-  template <int kRows>
-  using Rows = Eigen::Matrix<double, kRows, kWidth, Eigen::RowMajor>;
+  template <int Rows>
+  using Rows = Eigen::Matrix<double, Rows, Width, Eigen::RowMajor>;
   static constexpr int kMostMoments = 6;
 
   Rows<kMostMoments> E = Rows<kMostMoments>::Zero();  // d moments / d parameters, zero beyond what there is
-  Rows<kWidth> S;                                     // sum of w z z^T, symmetric to the last bit
-  Rows<kWidth> SE;                                    // terms with parameters
-  Rows<kWidth> ESE;                                   // parameters with parameters
+  Rows<Width> S;                                      // sum of w z z^T, symmetric to the last bit
+  Rows<Width> SE;                                     // terms with parameters
+  Rows<Width> ESE;                                    // parameters with parameters
 };
 
 /// Fills the rows of S, SE and ESE that there are. S is rounded to single precision, but common to all that follows, so
