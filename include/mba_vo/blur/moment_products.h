@@ -16,8 +16,8 @@ using SparsePixels = std::array<float, kSparsePixels>;
 /// instance moments of the gradient and a residual; the first ones, the moments, move with up to `Width` parameters.
 template <int Width>
 struct MomentProducts {
-  template <int Rows>
-  using Rows = Eigen::Matrix<double, Rows, Width, Eigen::RowMajor>;
+  template <int Count>
+  using Rows = Eigen::Matrix<double, Count, Width, Eigen::RowMajor>;
   static constexpr int kMostMoments = 6;
 
   Rows<kMostMoments> E = Rows<kMostMoments>::Zero();  // d moments / d parameters, zero beyond what there is
