@@ -20,10 +20,11 @@ double quantile(std::vector<double> values, double q) {
 
 double usualInterval(const std::vector<ImageFacts>& images) {
   std::vector<double> intervals;
-  constexpr std::size_t kSpan = 2;  // intervals: stamps that are early and late by turns do no harm
-  for (std::size_t i = kSpan; i < images.size(); ++i) {
-    const std::int64_t span = images[i].stamp_ns - images[i - kSpan].stamp_ns;
-    if (span > 0) intervals.push_back(1e-9 * static_cast<double>(span) / kSpan);
+  // Over two: stamps that are early and late by turns do no harm.
+  const std::size_t steps = images.size() == 2 ? 1 : 2;
+  for (std::size_t i = steps; i < images.size(); ++i) {
+    const std::int64_t span = images[i].stamp_ns - images[i - steps].stamp_ns;
+    if (span > 0) intervals.push_back(1e-9 * static_cast<double>(span) / static_cast<double>(steps));
   }
   return quantile(std::move(intervals), 0.5);
 }

@@ -50,7 +50,8 @@ Counts countStamps(const std::vector<ImageFacts>& images, double interval) {
     if (step < 0.0) ++counts.restarts;
     if (step > 0.0) {
       counts.intervals.push_back(step);
-      if (step > kMissed * interval) counts.missing += static_cast<std::size_t>(std::lround(step / interval) - 1);
+      if (interval > 0.0 && step > kMissed * interval)
+        counts.missing += static_cast<std::size_t>(std::lround(step / interval) - 1);
       if (step > std::max(kLongGap, kGapIntervals * interval)) ++counts.gaps;
       if (step > counts.longest) {
         counts.longest = step;

@@ -93,6 +93,17 @@ TEST(Judgements, Stamps) {
   EXPECT_EQ(names(goodCamera(10)), "few-images");
 }
 
+TEST(Judgements, WithoutAnIntervalNoImageCountsAsMissing) {
+  EXPECT_NEAR(usualInterval(goodCamera(2).images), 1e-9 * kInterval, 1e-12);
+  CameraFacts three = goodCamera(3);
+  const std::int64_t begin = three.images.front().stamp_ns;
+  three.images[1].stamp_ns = begin + 500'000'000;
+  three.images[2].stamp_ns = begin - 100'000'000;
+  EXPECT_EQ(usualInterval(three.images), 0.0);
+  EXPECT_NE(whatOf(three, Check::kGaps).find(" 0 images are missing"), std::string::npos)
+      << whatOf(three, Check::kGaps);
+}
+
 TEST(Judgements, ASingleMissingImageIsNoGap) {
   CameraFacts facts = goodCamera();
   facts.images.erase(facts.images.begin() + 50);
