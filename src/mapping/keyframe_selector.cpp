@@ -18,9 +18,8 @@ TrackedFrameConstPtr KeyframeSelector::add(const TrackedFrameConstPtr& frame, co
   ExposureTrajectory in_newest = frame->trajectory;
   in_newest.T_reference_mid = newest.T_map_reference.inverse() * T_map_camera;
   const FrameMeasures measures = measureFrame(newest, in_newest);
-  if (candidate_) return policy_.isUrgent(newest, measures, frame->brightness) ? takeReady() : nullptr;
-  if (policy_.takes(newest, measures, frame->brightness)) candidate_ = frame;
-  return nullptr;
+  if (!candidate_ && policy_.takes(newest, measures, frame->brightness)) candidate_ = frame;
+  return candidate_ && policy_.isUrgent(newest, measures, frame->brightness) ? takeNow() : nullptr;
 }
 
 TrackedFrameConstPtr KeyframeSelector::takeReady() {
