@@ -47,6 +47,7 @@ sharp=
 : "${page:=$($quick && echo "$output/results.md" || echo docs/results.md)}"
 mkdir -p "$output/sequences"
 : >"$output/sequences.txt"
+cut -d " " -f 1 /proc/loadavg >"$output/load.txt"  # of other programs: nothing of ours runs yet
 
 # entry NAME FOLDER OPTIONS WHAT: a sequence, and its sharp images if there are any
 entry() {

@@ -16,6 +16,7 @@ import yaml
 import stages
 
 VARIANTS = ("live", "each-image", "no-blur-model")
+BUSY = 0.5  # load of other programs from which on times mean little
 
 HEAD = """# Results
 
@@ -160,9 +161,18 @@ class Page:
                         ["%.0f / %.0f / %.0f" % (np.median(total), np.quantile(total, 0.9), max(total)),
                          median(values(self.blurred, name, "each-image", "memory_mb"))])
         side = "%d runs side by side, each on a core of its own" % jobs if jobs > 1 else "one run at a time"
-        return table("Time and memory", "Each image dealt with, %s; stages are medians over keyframes [ms]." % side,
+        return table("Time and memory", "Each image dealt with, %s; stages are medians over keyframes [ms].%s" % (side, self.others()),
                      ["sequence", "tracking, per image [ms]", "core-seconds per second", "depth search, per image"] + stages.STAGES +
                      ["keyframe, median / 90 % / max", "memory, most [MB]"], rows)
+
+    def others(self):
+        """What else the machine did when it began."""
+        try:
+            with open(os.path.join(self.folder, "load.txt"), encoding="utf-8") as file:
+                load = float(file.read())
+        except OSError:
+            return ""
+        return " Other programs ran meanwhile (load %.1f): **times are too long**." % load if load > BUSY else ""
 
     def memory(self):
         try:
