@@ -172,7 +172,7 @@ class Page:
                 load = float(file.read())
         except OSError:
             return ""
-        return " Other programs ran meanwhile (load %.1f): **times are too long**." % load if load > BUSY else ""
+        return " Other programs were running when it began (load %.1f): **times are too long**." % load if load > BUSY else ""
 
     def memory(self):
         try:
