@@ -34,6 +34,8 @@ if(MBA_VO_TESTS)
   add_test(NAME mba_vo_benchmark COMMAND /usr/bin/python3 -m unittest discover
            --start-directory ${CMAKE_CURRENT_SOURCE_DIR}/test/benchmark --pattern *_test.py)
   set_tests_properties(mba_vo_benchmark PROPERTIES TIMEOUT 300)
+  add_test(NAME mba_vo_docs COMMAND /usr/bin/python3 -B -m unittest discover
+           --start-directory ${CMAKE_CURRENT_SOURCE_DIR}/test/docs --pattern *_test.py)
 endif()
 
 # A program called with these arguments must say what matches the regular expression.

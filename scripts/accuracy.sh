@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs mba_vo offline over the development sequences and prints one line of figures per run (docs/results.md).
+# Runs mba_vo offline over the development sequences and prints one line of figures per run.
 #
 #   scripts/accuracy.sh [--data DIR] [--output DIR] [--delay FRAMES | --live] [--starts LIST] [--bin DIR] [RUN...]
 #

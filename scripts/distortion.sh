@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Simulates one sequence through several lenses, runs mba_vo offline over each from five starts, and prints the figures
-# of every run and the median error of every lens (docs/results.md).
+# of every run and the median error of every lens.
 #
 #   scripts/distortion.sh [--output DIR] [--bin DIR]
 #

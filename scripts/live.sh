@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Plays the development sequences as bags at real speed through the ROS nodes, and prints what was published when it was
-# published, then what was saved in the end (docs/results.md).
+# published, then what was saved in the end (docs/decisions/2026-11-23-live-in-simulated-time.md).
 #
 #   scripts/live.sh [--data DIR] [--output DIR] [--cores LIST] [--player-cores LIST] [--runs N] [SEQUENCE...]
 #

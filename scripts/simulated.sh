@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Renders long, shaken walks and prints the odometry's error on them, sharp and blurred (docs/results.md).
+# Renders long, shaken walks and prints the odometry's error on them, sharp and blurred (docs/decisions/2026-11-23-fast-turns.md).
 #
 #   scripts/simulated.sh [--output DIR] [--seeds LIST] [--duration S] [--delay FRAMES] [--starts LIST] [--bin DIR]
 #

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # What an ordinary camera costs: renders recorded motions as an ideal camera and as a webcam see them, and prints what was
 # published (mba_vo_offline --live, one pass) by each, and by the webcam when it is started the second time
-# (docs/results.md).
+# (docs/decisions/2026-11-23-ordinary-cameras.md).
 #
 #   scripts/webcam.sh [--motions DIR] [--output DIR] [--cameras LIST] [--starts LIST] [--duration S] [--seed N] [--bin DIR]
 #                     [MOTION...]

@@ -10,8 +10,8 @@ constexpr int kSettledWindows = 8;  // without a step: some two seconds of a han
 // Pixels, patches of a point, and windows that share keyframes are far from independent, and what no model explains is
 // the same in many. The scatter of the windows' estimates is some ten times what the residuals alone would have.
 constexpr double kCorrelation = 50.0;
-// Of six degrees of freedom, 95 %. Right calibrations stayed below 5 (docs/how_it_works.md); where 50 was waited for,
-// the scale of kitchen had drifted by a fifth before a first step was taken.
+// Of six degrees of freedom, 95 %. Right calibrations stayed below 5; where 50 was waited for,
+// the scale of kitchen had drifted by a fifth before a first step was taken (docs/decisions/2026-11-21-calibration.md).
 constexpr double kSignificant = 12.6;  // chi^2 of a step worth taking
 constexpr double kStep = 1.5;
 // The same of three. Right cameras took steps of up to 0.6 % of the light; true vignettes a first one of 8 to 20 %.
