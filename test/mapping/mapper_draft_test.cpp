@@ -1,5 +1,5 @@
 #include <cstddef>
-#include <vector>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -30,6 +30,34 @@ TEST(MapperDraft, AKeyframeIsOfUseBeforeTheWindowIsOptimised) {
     const SE3 by_refined = follower.track(refined).trajectory.T_reference_mid;
     EXPECT_LT(distance(by_draft.trajectory.T_reference_mid, by_refined), kClose);
   }
+}
+
+/// Frames that come faster than keyframes are refined, each turned away by 0.1 rad more.
+TEST(MapperDraft, AKeyframeWhoseViewIsBeingLeftDoesNotWaitForTheOneBefore) {
+  Mapper mapper(config());
+  const Initialised initial = initialise(mapper);
+  ASSERT_NE(initial.output.reference, nullptr);
+  EXPECT_FALSE(mapper.needsRefinement());
+  int inserted = 0;
+  int refined = 0;
+  for (int i = 0; i < 12; ++i) {
+    Vector6 turn = Vector6::Zero();
+    turn(4) = 0.1 * (i + 1);
+    const FrameConstPtr& next = frames().at(static_cast<std::size_t>(initial.frames_used + i));
+    const MapperOutput output =
+        mapper.process(report(next, TrackingStatus::kTracking, initial.output.reference->id, SE3::exp(turn)));
+    inserted += output.inserted_blur_px ? 1 : 0;
+    refined += output.keyframe ? 1 : 0;
+    EXPECT_EQ(output.inserted_blur_px.has_value(), output.reference != nullptr) << "a draft";
+  }
+  EXPECT_GE(inserted, 2);
+  EXPECT_EQ(refined, inserted - 1) << "those before had to do with what there was";
+  int pieces = 0;
+  std::optional<KeyframeReport> last;
+  for (; mapper.needsRefinement(); ++pieces) last = mapper.refine().keyframe;
+  EXPECT_GE(pieces, 3);
+  ASSERT_TRUE(last);
+  EXPECT_GT(last->residuals, 0);
 }
 
 }  // namespace
