@@ -1,8 +1,16 @@
 #include "mba_vo/mapping/deferred_tracking.h"
 
+#include <optional>
 #include <utility>
 
+#include "mba_vo/mapping/local_map.h"
+
 namespace mba_vo {
+namespace {
+
+constexpr KeyframeId kSettledKeyframe = 4;  // from this one on the first keyframes' points have good depths
+
+}  // namespace
 
 void DeferredTracking::begin(const std::shared_ptr<const InitialMap>& initial, const MotionState& start,
                              const std::vector<FrameConstPtr>& frames, std::int64_t until_ns,
@@ -13,8 +21,10 @@ void DeferredTracking::begin(const std::shared_ptr<const InitialMap>& initial, c
     if (frame->mid_exposure_ns < origin_ns) before.push_front(frame);
     if (frame->mid_exposure_ns > origin_ns && frame->mid_exposure_ns <= until_ns) after.push_back(frame);
   }
-  backward_.emplace(config_, initial, start, std::move(before), first_keyframe);
-  forward_.emplace(config_, initial, start, std::move(after), first_keyframe);
+  first_keyframe_ = first_keyframe->id.keyframe_id;
+  for (std::deque<FrameConstPtr>* way : {&after, &before}) {
+    if (!way->empty()) outward_.emplace_back(config_, initial, start, std::move(*way), first_keyframe);
+  }
 }
 
 void DeferredTracking::add(const TrackedFrameConstPtr& tracked) {
@@ -22,27 +32,23 @@ void DeferredTracking::add(const TrackedFrameConstPtr& tracked) {
 }
 
 void DeferredTracking::update(const LocalMap& map) {
-  if (backward_) backward_->update(map);
-  if (forward_) forward_->update(map);
   refinement_.update(map);
+  if (outward_.empty() || !map.has(first_keyframe_) || map.newestKeyframe() > kSettledKeyframe) return;
+  std::vector<ReferenceConstPtr> keyframes;
+  for (std::optional<KeyframeId> id = first_keyframe_; id; id = map.keyframeAfter(*id)) {
+    keyframes.push_back(map.makeReference(*id));
+  }
+  for (OutwardTracking& outward : outward_) outward.update(keyframes);
 }
 
 void DeferredTracking::reset() {
-  backward_.reset();
-  forward_.reset();
+  outward_.clear();
   refinement_.reset();
 }
 
-OutwardTracking* DeferredTracking::outward() {
-  if (forward_ && !forward_->done()) return &*forward_;
-  if (backward_ && !backward_->done()) return &*backward_;
-  return nullptr;
-}
-
 bool DeferredTracking::doNext(const LocalMap& map, TrajectoryStore& store) {
-  OutwardTracking* const next = outward();
-  if (next && next->isReady(map)) {
-    track(*next, store);
+  if (!outward_.empty() && map.newestKeyframe() >= kSettledKeyframe) {
+    trackOutward(store);
   } else if (!refinement_.done()) {
     refine(map, store);
   } else {
@@ -52,14 +58,15 @@ bool DeferredTracking::doNext(const LocalMap& map, TrajectoryStore& store) {
 }
 
 void DeferredTracking::finish(const LocalMap& map, TrajectoryStore& store) {
-  while (OutwardTracking* const next = outward()) track(*next, store);
+  while (!outward_.empty()) trackOutward(store);
   refinement_.finish(map);
   while (!refinement_.done()) refine(map, store);
 }
 
-void DeferredTracking::track(OutwardTracking& outward, TrajectoryStore& store) {
-  const TrackedFrame tracked = outward.next();
+void DeferredTracking::trackOutward(TrajectoryStore& store) {
+  const TrackedFrame tracked = outward_.front().next();
   if (tracked.tracked()) store.addFrame(tracked);
+  if (outward_.front().done()) outward_.pop_front();
 }
 
 void DeferredTracking::refine(const LocalMap& map, TrajectoryStore& store) {

@@ -8,21 +8,28 @@
 namespace mba_vo {
 
 TrackedFrameConstPtr KeyframeSelector::add(const TrackedFrameConstPtr& frame, const SE3& T_map_camera,
-                                           const Reference& newest) {
+                                           const Reference& newest, bool busy) {
   motion_.add(frame->frame->mid_exposure_ns, T_map_camera, measuredVelocity(*frame));
-  if (candidate_) {
+  if (candidate_ && !ready_) {
     taken_motion_ = motion_.motionOfMiddle();
-    return std::exchange(candidate_, nullptr);
+    ready_ = true;
   }
+  if (candidate_ && !busy) return takeReady();
   ExposureTrajectory in_newest = frame->trajectory;
   in_newest.T_reference_mid = newest.T_map_reference.inverse() * T_map_camera;
-  if (policy_.takes(newest, measureFrame(newest, in_newest), frame->brightness)) candidate_ = frame;
-  return nullptr;
+  const FrameMeasures measures = measureFrame(newest, in_newest);
+  if (!candidate_ && policy_.takes(newest, measures, frame->brightness)) candidate_ = frame;
+  return candidate_ && policy_.isUrgent(newest, measures, frame->brightness) ? takeNow() : nullptr;
+}
+
+TrackedFrameConstPtr KeyframeSelector::takeReady() {
+  ready_ = false;
+  return std::exchange(candidate_, nullptr);
 }
 
 TrackedFrameConstPtr KeyframeSelector::takeNow() {
-  taken_motion_ = {motion_.velocityOfLast()};
-  return std::exchange(candidate_, nullptr);
+  if (!ready_) taken_motion_ = {motion_.velocityOfLast()};
+  return takeReady();
 }
 
 void KeyframeSelector::revise(const TrackedFrameConstPtr& frame) {
@@ -37,6 +44,7 @@ void KeyframeSelector::restart(std::int64_t mid_exposure_ns, const SE3& T_map_ca
 void KeyframeSelector::reset() {
   motion_ = {};
   candidate_.reset();
+  ready_ = false;
 }
 
 }  // namespace mba_vo

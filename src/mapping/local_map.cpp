@@ -7,17 +7,12 @@
 
 #include "mba_vo/image/parallel_for.h"
 #include "mba_vo/image/point_selector.h"
-#include "mba_vo/mapping/freed_memory.h"
 #include "mba_vo/window/motion_alignment.h"
 #include "mba_vo/window/point_activator.h"
 
 namespace mba_vo {
 namespace {
 
-constexpr int kCalibrationKeyframes = 2;      // least number in a window that tells about the calibration
-constexpr int kCalibrationSteps = 3;          // at most, with one keyframe
-constexpr std::uint64_t kSlopeStride = 2;     // a point's slope is updated with every so many keyframes
-constexpr int kDeparturesPerReturn = 8;       // of keyframes, until the memory they leave is given back
 constexpr int kHostsSearched = 5;             // the newest: what an older one has not found by then is out of sight
 constexpr std::size_t kPointsPerSearch = 64;  // in one piece of parallel work
 
@@ -134,6 +129,8 @@ KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const BodyM
   const Clock::time_point stage = Clock::now();
   alignBlurred(tracked.measures.blur_length_px);
   activatePoints();
+  storePoses();
+  refinement_ = {};
   report.activation_ms = millisecondsSince(stage);
 
   report.keyframe_id = newestKeyframe();
@@ -142,35 +139,6 @@ KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const BodyM
   report.blur_length_px = tracked.measures.blur_length_px;
   report.total_ms = millisecondsSince(begin);
   return report;
-}
-
-void LocalMap::refineWindow(KeyframeReport& report) {
-  const Clock::time_point begin = Clock::now();
-  updateSlopes();
-  alignBlurred(report.blur_length_px);
-  Clock::time_point stage = Clock::now();
-  const WindowSummary summary = window_.optimize(config_.window.max_iterations);
-  report.depths = summary.depths;
-  storePoses();
-  report.optimisation_ms = millisecondsSince(stage);
-
-  stage = Clock::now();
-  refineImaging(report);
-  report.calibration_ms = millisecondsSince(stage);
-
-  stage = Clock::now();
-  marginalizeKeyframes();
-  report.marginalisation_ms = millisecondsSince(stage);
-
-  stage = Clock::now();
-  selectImmaturePoints(keyframes_.at(newestKeyframe()));
-  report.selection_ms = millisecondsSince(stage);
-
-  report.points = window_.pointCount();
-  report.residuals = summary.residuals;
-  report.rms = summary.rms;
-  report.depth_search_ms = std::exchange(depth_search_ms_, 0.0);
-  report.total_ms += millisecondsSince(begin);
 }
 
 void LocalMap::activatePoints() {
@@ -192,21 +160,6 @@ void LocalMap::alignBlurred(double blur_length_px) {
   if (config_.window.reblur_targets && blur_length_px >= kLongBlur) window_.alignNewest();
 }
 
-/// Of half of the points, by turns: a slope, which most points have from their activation on, changes but slowly.
-void LocalMap::updateSlopes() {
-  const std::vector<WindowPoint> points = window_.points();
-  std::map<KeyframeId, SurfaceSlopes> slopes;  // of the keyframes that have points
-  for (const WindowPoint& point : points) {
-    if (slopes.count(point.host) > 0) continue;
-    const PinholeCamera& camera = cameraOf(point.host);
-    slopes.emplace(point.host, SurfaceSlopes(camera, pointsSeenBy(window_, points, camera, point.host)));
-  }
-  window_.setSlopes(points, [&](const WindowPoint& point) -> std::optional<Eigen::Vector2d> {
-    if ((point.id + newestKeyframe()) % kSlopeStride != 0) return std::nullopt;
-    return slopes.at(point.host).at(point.pixel, point.inverse_depth, kResidualVariance * point.variance);
-  });
-}
-
 void LocalMap::selectImmaturePoints(HostKeyframe& host) const {
   for (const Eigen::Vector2i& pixel : selectPoints(*host.image, config_.new_points_per_keyframe, {})) {
     ImmaturePoint point;
@@ -216,29 +169,6 @@ void LocalMap::selectImmaturePoints(HostKeyframe& host) const {
       if (point.measured.known()) point.inverse_depth_min = point.inverse_depth_max = point.measured.inverse_depth;
     }
     host.immature.push_back(point);
-  }
-}
-
-void LocalMap::marginalizeKeyframes() {
-  for (const KeyframeId id : window_.keyframesToMarginalize()) {
-    keepForDisplay(id);
-    window_.marginalize(id);
-    store_.attachKeyframe(id_, id, keyframes_.upper_bound(id)->first);
-    keyframes_.erase(id);
-    if (++departed_ % kDeparturesPerReturn == 0) returnFreedMemory();
-  }
-}
-
-void LocalMap::refineImaging(KeyframeReport& report) {
-  const bool rolling = cameraOf(newestKeyframe()).row_time != 0.0;
-  if (!config_.refine_calibration && !rolling) return;
-  if (static_cast<int>(keyframes_.size()) < kCalibrationKeyframes) return;
-  for (int i = 0; i < kCalibrationSteps; ++i) {
-    report.calibration = {calibration_.correction(), window_.refineRowMotions()};
-    if (!config_.refine_calibration || !calibration_.add(report.calibration->system)) return;
-    window_.setCorrection(calibration_.correction());
-    window_.optimize(config_.window.max_iterations);
-    storePoses();
   }
 }
 

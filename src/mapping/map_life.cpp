@@ -9,7 +9,11 @@ namespace {
 
 constexpr int kFramesUntilResend = 15;  // the first reference may still be on its way for a while
 
-MapperOutput saying(const std::string& message) { return {nullptr, std::nullopt, std::nullopt, message}; }
+MapperOutput saying(const std::string& message) {
+  MapperOutput output;
+  output.message = message;
+  return output;
+}
 
 }  // namespace
 
@@ -84,7 +88,9 @@ std::optional<KeyframeReport> Mapper::Impl::goAlong(const InitialMap& initial) {
   if (newest->measures.blur_length_px > config_.window.long_blur_px) return std::nullopt;
   store_.addFrame(*newest);
   KeyframeReport report = map_->insertKeyframe(*newest, frames.back().motion);
-  complete(report, newest);
+  while (map_->refineWindow(report)) {
+  }
+  complete(report, newest, true);
   return report;
 }
 
@@ -116,10 +122,11 @@ MapperOutput Mapper::Impl::giveUp(MapperOutput output) {
 MapperOutput Mapper::Impl::handleLost(const TrackedFrame& frame) {
   MapperOutput output;
   if (const TrackedFrameConstPtr chosen = selector_.takeNow()) {
-    output.keyframe = insertKeyframe(chosen);
-    return withKeyframe(std::move(output));
+    insertKeyframe(chosen, output);
+    return output;
   }
-  if (const auto found = recovery_.lose(frame, health_.usualFrameError())) return goOnFrom(*found);
+  if (refining_) refineNoFurther(output);
+  if (const auto found = recovery_.lose(frame, health_.usualFrameError())) return goOnFrom(*found, std::move(output));
   if (!recovery_.isLostForGood()) return output;
   output.reference = closed("lost for too long, no map yet");
   output.message = "lost for too long: a new map begins";
@@ -127,7 +134,7 @@ MapperOutput Mapper::Impl::handleLost(const TrackedFrame& frame) {
   return output;
 }
 
-MapperOutput Mapper::Impl::goOnFrom(const Relocalizer::Found& found) {
+MapperOutput Mapper::Impl::goOnFrom(const Relocalizer::Found& found, MapperOutput output) {
   const bool departed = !map_->has(found.keyframe);
   if (departed) map_ = recovery_.windowAt(found, *map_, store_, *calibration_);
   const KeyframeId keyframe = departed ? map_->newestKeyframe() : found.keyframe;
@@ -138,7 +145,6 @@ MapperOutput Mapper::Impl::goOnFrom(const Relocalizer::Found& found) {
   last_ = found.hint;
   last_keyframe_ = keyframe;
   selector_.restart(last_.mid_exposure_ns, reference->T_map_reference * last_.trajectory.T_reference_mid);
-  MapperOutput output;
   output.reference = reference_;
   output.message = "found again by keyframe " + std::to_string(found.keyframe);
   return output;
@@ -183,6 +189,7 @@ void Mapper::Impl::abandonMap() {
 }
 
 void Mapper::Impl::forgetMap() {
+  refining_.reset();
   map_.reset();
   reference_.reset();
   initializer_.reset();

@@ -7,9 +7,8 @@
 
 namespace mba_vo {
 
-Mapper::Impl::Impl(const MapperConfig& config, DraftCallback on_draft, std::shared_ptr<const Deblurrer> deblurrer)
+Mapper::Impl::Impl(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer)
     : config_(config),
-      on_draft_(std::move(on_draft)),
       initializer_(config.initializer, config.depth_sensor, config.refine_calibration),
       selector_(config.keyframe),
       health_(config.health),
@@ -33,7 +32,11 @@ MapperOutput Mapper::Impl::process(const TrackedFrameConstPtr& frame, bool has_t
     store_.addFrame(*frame);
     return {};
   }
-  return refine(frame, has_time);
+  MapperOutput output;
+  takeSharpKeyframe(output);
+  if (const TrackedFrameConstPtr chosen = integrate(frame, has_time)) insertKeyframe(chosen, output);
+  deblurring_.beginNext(*map_, frame->frame->mid_exposure_ns);
+  return output;
 }
 
 MapperOutput Mapper::Impl::revise(const TrackedFrameConstPtr& frame) {
@@ -45,57 +48,67 @@ MapperOutput Mapper::Impl::revise(const TrackedFrameConstPtr& frame) {
   return {};
 }
 
-MapperOutput Mapper::Impl::refine(const TrackedFrameConstPtr& frame, bool has_time) {
-  MapperOutput output;
-  takeSharpKeyframe(output);
-  output.keyframe = integrate(frame, has_time);
-  deblurring_.beginNext(*map_, frame->frame->mid_exposure_ns);
-  return output.keyframe ? withKeyframe(std::move(output)) : output;
-}
-
 void Mapper::Impl::takeSharpKeyframe(MapperOutput& output) {
+  if (refining_) return;  // the window is being worked on
   const auto& sharp = output.sharp_keyframe = deblurring_.takeReady(*map_, recovery_.archive());
   if (!sharp || !sharp->in_map || sharp->keyframe_id != reference_->id.keyframe_id) return;
   reference_ = snapshot(ReferenceCause::kSharperImage, reference_->id.keyframe_id, health_.doubt());
   output.reference = reference_;
 }
 
-std::optional<KeyframeReport> Mapper::Impl::integrate(const TrackedFrameConstPtr& frame, bool has_time) {
+TrackedFrameConstPtr Mapper::Impl::integrate(const TrackedFrameConstPtr& frame, bool has_time) {
   store_.addFrame(*frame);
   if (has_time) map_->searchDepths(*frame);
   deblurring_.remember(frame);
   deferred_.add(frame);
   last_ = {frame->frame->sequence, frame->frame->mid_exposure_ns, frame->trajectory};
   last_keyframe_ = frame->reference.keyframe_id;
-  const TrackedFrameConstPtr chosen = selector_.add(frame, map_->T_map_camera(*frame), *reference_);
-  return chosen ? std::optional(insertKeyframe(chosen)) : std::nullopt;
+  return selector_.add(frame, map_->T_map_camera(*frame), *reference_, refining_.has_value());
 }
 
-KeyframeReport Mapper::Impl::insertKeyframe(const TrackedFrameConstPtr& chosen) {
-  KeyframeReport report = map_->insertKeyframe(*chosen, selector_.motion());
-  if (on_draft_) on_draft_(snapshot(ReferenceCause::kKeyframe, map_->newestKeyframe(), health_.doubt()));
-  complete(report, chosen);
-  return report;
+void Mapper::Impl::insertKeyframe(const TrackedFrameConstPtr& chosen, MapperOutput& output) {
+  if (refining_) refineNoFurther(output);
+  refining_ = {chosen, map_->insertKeyframe(*chosen, selector_.motion())};
+  output.inserted_blur_px = chosen->measures.blur_length_px;
+  output.reference = reference_ = snapshot(ReferenceCause::kKeyframe, map_->newestKeyframe(), health_.doubt());
 }
 
-void Mapper::Impl::complete(KeyframeReport& report, const TrackedFrameConstPtr& chosen) {
-  map_->refineWindow(report);
+MapperOutput Mapper::Impl::refine() {
+  MapperOutput output;
+  if (!refining_) {
+    insertKeyframe(selector_.takeReady(), output);
+    return output;
+  }
+  output.residuals = map_->residualCount();
+  if (map_->refineWindow(refining_->report)) return output;
+  complete(refining_->report, refining_->chosen, true);
+  output.keyframe = std::move(refining_->report);
+  refining_.reset();
+  output.reference = reference_;
+  if (!health_.isYoung()) initial_frames_.clear();
+  return health_.isWrong() ? giveUp(std::move(output)) : output;
+}
+
+void Mapper::Impl::refineNoFurther(MapperOutput& output) {
+  map_->refineWindowNoFurther(refining_->report);
+  complete(refining_->report, refining_->chosen, false);
+  output.keyframe = std::move(refining_->report);
+  refining_.reset();
+}
+
+void Mapper::Impl::complete(KeyframeReport& report, const TrackedFrameConstPtr& chosen, bool refined) {
   const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kKeyframe, map_->newestKeyframe());
-  report.error_px = keyframeError(report.rms, *reference);
-  health_.addKeyframe(report.error_px);
-  health_.addDepths(report.depths);
+  if (refined) {  // else its error is none that the map should be judged by
+    report.error_px = keyframeError(report.rms, *reference);
+    health_.addKeyframe(report.error_px);
+    health_.addDepths(report.depths);
+  }
   reference->doubt = health_.doubt();
   reference_ = reference;
   recovery_.keep(*reference_, *chosen->frame, *map_);
   deblur(chosen->frame, chosen->trajectory.acceleration, chosen->trajectory.velocity);
   store_.makeKeyframe(*chosen, reference_->id.map_id, reference_->id.keyframe_id);
   deferred_.update(*map_);
-}
-
-MapperOutput Mapper::Impl::withKeyframe(MapperOutput output) {
-  output.reference = reference_;
-  if (!health_.isYoung()) initial_frames_.clear();
-  return health_.isWrong() ? giveUp(std::move(output)) : output;
 }
 
 void Mapper::Impl::deblur(const FrameConstPtr& frame, const Vector6& acceleration,
@@ -119,12 +132,14 @@ std::vector<TrajectoryEntry> Mapper::Impl::finishedTrajectory() const {
   return store.entries();
 }
 
-Mapper::Mapper(const MapperConfig& config, DraftCallback on_draft, std::shared_ptr<const Deblurrer> deblurrer)
-    : impl_(std::make_unique<Impl>(config, std::move(on_draft), std::move(deblurrer))) {}
+Mapper::Mapper(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer)
+    : impl_(std::make_unique<Impl>(config, std::move(deblurrer))) {}
 Mapper::~Mapper() = default;
 MapperOutput Mapper::process(const TrackedFrameConstPtr& frame, bool has_time) {
   return impl_->process(frame, has_time);
 }
+bool Mapper::needsRefinement() const { return impl_->needsRefinement(); }
+MapperOutput Mapper::refine() { return impl_->refine(); }
 void Mapper::watchSharpKeyframes(bool watched) { impl_->watchSharpKeyframes(watched); }
 bool Mapper::doDeferredWork() { return impl_->doDeferredWork(); }
 std::vector<TrajectoryEntry> Mapper::finishedTrajectory() const { return impl_->finishedTrajectory(); }

@@ -16,9 +16,11 @@ namespace mba_vo {
 /// map_life.cpp.
 class Mapper::Impl {
  public:
-  Impl(const MapperConfig& config, DraftCallback on_draft, std::shared_ptr<const Deblurrer> deblurrer);
+  Impl(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer);
 
   MapperOutput process(const TrackedFrameConstPtr& frame, bool has_time);
+  bool needsRefinement() const { return refining_ || (map_ && selector_.hasReady()); }
+  MapperOutput refine();
   void watchSharpKeyframes(bool watched) { deblurring_.setWatched(watched); }
   bool doDeferredWork() { return map_ && deferred_.doNext(*map_, store_); }
   std::vector<TrajectoryEntry> finishedTrajectory() const;
@@ -39,15 +41,15 @@ class Mapper::Impl {
  private:
   /// A frame that is no newer than the last one was tracked again: its pose is better now, the map has it already.
   MapperOutput revise(const TrackedFrameConstPtr& frame);
-  MapperOutput refine(const TrackedFrameConstPtr& frame, bool has_time);
   /// The tracker is given the sharp image if it is using the blurred one.
   void takeSharpKeyframe(MapperOutput& output);
-  std::optional<KeyframeReport> integrate(const TrackedFrameConstPtr& frame, bool has_time);
-  KeyframeReport insertKeyframe(const TrackedFrameConstPtr& chosen);
-  /// Optimises with it.
-  void complete(KeyframeReport& report, const TrackedFrameConstPtr& chosen);
-  /// After a keyframe has been inserted.
-  MapperOutput withKeyframe(MapperOutput output);
+  /// Returns it, or the one before, if it is to become a keyframe now.
+  TrackedFrameConstPtr integrate(const TrackedFrameConstPtr& frame, bool has_time);
+  void insertKeyframe(const TrackedFrameConstPtr& chosen, MapperOutput& output);
+  /// The keyframe that is being refined has to do with what there is.
+  void refineNoFurther(MapperOutput& output);
+  /// The window has been refined with its newest keyframe, made of `chosen`, or would have been.
+  void complete(KeyframeReport& report, const TrackedFrameConstPtr& chosen, bool refined);
   /// The newest keyframe, made of this frame.
   void deblur(const FrameConstPtr& frame, const Vector6& acceleration = Vector6::Zero(),
               const std::optional<Vector6>& measured_velocity = std::nullopt);
@@ -68,7 +70,7 @@ class Mapper::Impl {
   MapperOutput giveUp(MapperOutput output);
   MapperOutput handleLost(const TrackedFrame& frame);
   /// The camera was found by a keyframe. If that has left the window, a new window begins with it.
-  MapperOutput goOnFrom(const Relocalizer::Found& found);
+  MapperOutput goOnFrom(const Relocalizer::Found& found, MapperOutput output);
   /// A tracker that goes on without a reference while there is a map was restarted; it is given the current one.
   MapperOutput resend();
   static MapperOutput stale(const TrackedFrame& frame);
@@ -78,7 +80,6 @@ class Mapper::Impl {
   void forgetMap();
 
   MapperConfig config_;
-  DraftCallback on_draft_;  // may be empty
   Initializer initializer_;
   KeyframeSelector selector_;
   TrajectoryStore store_;
@@ -86,6 +87,11 @@ class Mapper::Impl {
   CalibrationEstimator calibration_before_map_;      // what a wrong map says about it is not believed
   std::unique_ptr<LocalMap> map_;
   ReferenceConstPtr reference_;
+  struct Refining {
+    TrackedFrameConstPtr chosen;
+    KeyframeReport report;
+  };
+  std::optional<Refining> refining_;  // the newest keyframe, until it is refined
   MapId next_map_id_ = 1;
   MapHealth health_;
   Recovery recovery_;

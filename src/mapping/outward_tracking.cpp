@@ -5,14 +5,14 @@
 #include <optional>
 #include <utility>
 
-#include "mba_vo/mapping/local_map.h"
+#include "mba_vo/tracking/frame_measures.h"
 #include "mba_vo/trajectory/finite_difference_velocity.h"
 
 namespace mba_vo {
 namespace {
 
-constexpr double kLeastVisible = 0.35;      // share of the keyframe's points; with fewer, poses drift
-constexpr KeyframeId kSettledKeyframe = 4;  // from this one on the first keyframe's points have good depths
+constexpr double kLeastVisible = 0.35;  // share of a keyframe's points; with fewer, poses drift
+constexpr double kTolerance = 1.25;     // by which more error may be expected of a pose by a nearer keyframe
 
 void degrade(TrackedFrame& tracked, const char* reason) {
   if (tracked.status != TrackingStatus::kTracking) return;
@@ -68,37 +68,71 @@ TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameCons
 
 OutwardTracking::OutwardTracking(const MapperConfig& config, std::shared_ptr<const InitialMap> initial,
                                  const MotionState& start, std::deque<FrameConstPtr> frames,
-                                 ReferenceConstPtr first_keyframe)
+                                 const ReferenceConstPtr& first_keyframe)
     : tracker_(config.tracker),
+      policy_(config.keyframe),
       unknown_exposure_(config.tracker.unknown_exposure),
       initial_(std::move(initial)),
       frames_(std::move(frames)),
-      first_keyframe_(std::move(first_keyframe)),
+      keyframes_{{first_keyframe->id.keyframe_id, first_keyframe}},
+      keyframe_(first_keyframe->id.keyframe_id),
       motion_(start) {}
 
-bool OutwardTracking::isReady(const LocalMap& map) const { return map.newestKeyframe() >= kSettledKeyframe; }
-
-void OutwardTracking::update(const LocalMap& map) {
-  const KeyframeId keyframe = first_keyframe_->id.keyframe_id;
-  if (map.has(keyframe) && map.newestKeyframe() <= kSettledKeyframe) first_keyframe_ = map.makeReference(keyframe);
+void OutwardTracking::update(const std::vector<ReferenceConstPtr>& keyframes) {
+  for (const ReferenceConstPtr& keyframe : keyframes) keyframes_[keyframe->id.keyframe_id] = keyframe;
 }
 
-TrackingGuess OutwardTracking::guessFor(const Frame& frame) const {
-  TrackingGuess guess(motion_.priorAt(frame.mid_exposure_ns), frame.exposure.value_or(unknown_exposure_));
+TrackingGuess OutwardTracking::guessFor(const Frame& frame, const Reference& keyframe) const {
+  const SE3 T_keyframe_map = keyframe.T_map_reference.inverse();
+  MotionState motion = motion_;
+  motion.changeReference(T_keyframe_map * keyframes_.at(keyframe_)->T_map_reference);
+  TrackingGuess guess(motion.priorAt(frame.mid_exposure_ns), frame.exposure.value_or(unknown_exposure_));
   guess.brightness = brightness_;
   const auto same = [&](const InitialMap::Pose& pose) { return pose.frame->sequence == frame.sequence; };
   const auto known = std::find_if(initial_->poses.begin(), initial_->poses.end(), same);
-  if (known != initial_->poses.end()) guess.trajectory.T_reference_mid = known->T_reference_frame;
+  if (known != initial_->poses.end()) {
+    const SE3& T_map_first = keyframes_.begin()->second->T_map_reference;
+    guess.trajectory.T_reference_mid = T_keyframe_map * T_map_first * known->T_reference_frame;
+  }
   return guess;
+}
+
+ReferenceConstPtr OutwardTracking::nearestTo(const SE3& T_map_camera) const {
+  ReferenceConstPtr nearest;
+  double least_need = 0.0;
+  for (const auto& [id, keyframe] : keyframes_) {
+    const SE3 T_keyframe_camera = keyframe->T_map_reference.inverse() * T_map_camera;
+    const FrameMeasures measures = measureFrame(*keyframe, {T_keyframe_camera, Vector6::Zero(), 0.0});
+    const double need = policy_.need(*keyframe, measures, brightness_);
+    if (nearest && need >= least_need) continue;
+    least_need = need;
+    nearest = keyframe;
+  }
+  return nearest;
+}
+
+TrackedFrame OutwardTracking::track(const FrameConstPtr& frame) {
+  const Reference& last = *keyframes_.at(keyframe_);
+  const TrackingGuess guess = guessFor(*frame, last);
+  TrackedFrame tracked = tracker_.track(last, frame, guess);
+  const ExposureTrajectory& there = tracked.tracked() ? tracked.trajectory : guess.trajectory;
+  const ReferenceConstPtr nearest = nearestTo(last.T_map_reference * there.T_reference_mid);
+  if (nearest->id.keyframe_id == keyframe_) return tracked;
+  TrackedFrame again = tracker_.track(*nearest, frame, guessFor(*frame, *nearest));
+  const bool better = !tracked.tracked() || again.expected_error <= kTolerance * tracked.expected_error;
+  if (!again.tracked() || !better) return tracked;
+  motion_.changeReference(nearest->T_map_reference.inverse() * last.T_map_reference);
+  keyframe_ = nearest->id.keyframe_id;
+  return again;
 }
 
 TrackedFrame OutwardTracking::next() {
   const FrameConstPtr frame = std::move(frames_.front());
   frames_.pop_front();
-  TrackedFrame tracked = tracker_.track(*first_keyframe_, frame, guessFor(*frame));
+  TrackedFrame tracked = track(frame);
   // What follows has nothing better to go by than a pose that is doubtful.
   if (seen_badly_) degrade(tracked, "tracked from a frame that was seen badly");
-  if (tracked.measures.visible_fraction < kLeastVisible) degrade(tracked, "sees little of the map's first keyframe");
+  if (tracked.measures.visible_fraction < kLeastVisible) degrade(tracked, "sees little of the map's first keyframes");
   seen_badly_ = tracked.status == TrackingStatus::kDegraded;
   if (tracked.tracked()) {
     motion_.update(tracked);

@@ -17,7 +17,7 @@ constexpr double kDone = 1e-9;                        // [s] less work than that
 LiveSimulation::LiveSimulation(const OdometryConfig& config, const Machine& machine,
                                const PhotometricCalibration& photometric)
     : tracker_({config, photometric, kImageQueueBytes, false}),
-      mapper_(config.mapper, kMapperQueueBytes, [this](const MapperMessage& draft) { drafts_.push_back(draft); }),
+      mapper_(config.mapper, kMapperQueueBytes),
       machine_(machine) {}
 
 OdometryResult LiveSimulation::process(const CameraImage& image) {
@@ -65,10 +65,9 @@ void LiveSimulation::startWork() {
     }
   }
   if (!mapping_) {
-    drafts_.clear();
     if (auto step = mapper_.step()) {
-      const Machine::MapperSeconds seconds = machine_.secondsFor(*step);
-      mapping_ = MapperWork{std::move(*step), std::exchange(drafts_, {}), seconds.draft, seconds.total};
+      const double seconds = machine_.secondsFor(*step);
+      mapping_ = MapperWork{std::move(*step), seconds};
     }
   }
 }
@@ -84,28 +83,19 @@ double LiveSimulation::trackerRate() const { return tracking_ ? std::min(1.0, ma
 double LiveSimulation::timeOfNextEvent(double latest) const {
   double next = latest;
   if (tracking_) next = std::min(next, now_ + tracking_->left / trackerRate());
-  if (mapping_) {
-    const double left = mapping_->drafts.empty() ? mapping_->left : mapping_->left_until_draft;
-    next = std::min(next, now_ + left / mapperRate());
-  }
+  if (mapping_) next = std::min(next, now_ + mapping_->left / mapperRate());
   return next;
 }
 
 void LiveSimulation::work(double seconds) {
-  if (mapping_) {
-    mapping_->left -= seconds * mapperRate();
-    mapping_->left_until_draft -= seconds * mapperRate();
-  }
+  if (mapping_) mapping_->left -= seconds * mapperRate();
   if (tracking_) tracking_->left -= seconds * trackerRate();
 }
 
 void LiveSimulation::endWork(OdometryResult& result) {
-  if (mapping_ && !mapping_->drafts.empty() && mapping_->left_until_draft < kDone) {
-    for (const MapperMessage& draft : std::exchange(mapping_->drafts, {})) tracker_.addReference(draft);
-  }
-  if (mapping_ && mapping_->drafts.empty() && mapping_->left < kDone) {
+  if (mapping_ && mapping_->left < kDone) {
     const MapperWork done = *std::exchange(mapping_, std::nullopt);
-    if (done.step.kind == MapperStep::Kind::kFrame) result.mapping.push_back(done.step.output);
+    result.mapping.push_back(done.step.output);
     if (done.step.reference.reference) tracker_.addReference(done.step.reference);
   }
   if (tracking_ && tracking_->left < kDone) endTracking(result);

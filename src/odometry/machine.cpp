@@ -18,36 +18,34 @@ double Machine::secondsFor(const TrackerStep& step) const {
   return kSecondsPerMillisecond * ms;
 }
 
-Machine::MapperSeconds Machine::secondsFor(const MapperStep& step) const {
-  if (step.kind == MapperStep::Kind::kDeferred) return {0.0, kSecondsPerMillisecond * deferred};
-  if (step.kind != MapperStep::Kind::kFrame) return {};
-  if (step.output.reference && step.output.reference->cause == ReferenceCause::kMapBegins) {
-    return {0.0, kSecondsPerMillisecond * first_map};
+double Machine::secondsFor(const MapperStep& step) const {
+  const MapperOutput& output = step.output;
+  double ms = step.kind == MapperStep::Kind::kDeferred ? deferred : 0.0;
+  if (output.reference && output.reference->cause == ReferenceCause::kMapBegins) {
+    return kSecondsPerMillisecond * first_map;
   }
-  MapperSeconds seconds;
+  if (step.kind == MapperStep::Kind::kFrame) ms += millisecondsForFrame(step);
+  if (output.inserted_blur_px) ms += draft + draft_per_px * *output.inserted_blur_px;
+  if (output.residuals > 0 && !output.keyframe) ms += iteration + iteration_per_1000 * 1e-3 * output.residuals;
+  if (output.keyframe) ms += keyframe;
+  return kSecondsPerMillisecond * ms;
+}
+
+/// As long as it is no keyframe.
+double Machine::millisecondsForFrame(const MapperStep& step) const {
   const TrackedFrame& tracked = *step.cause.tracked;
-  double ms = 0.0;
   if (tracked.status == TrackingStatus::kInitializing) {
-    if (step.had_time && !step.cause.has_reference) ms += look_for_map;
-  } else if (tracked.status == TrackingStatus::kLost && !tracked.blind) {
-    ms += relocalize;
-  } else if (tracked.tracked() && !tracked.provisional) {
-    if (step.had_time) ms += depth_search;
+    return step.had_time && !step.cause.has_reference ? look_for_map : 0.0;
   }
-  if (step.output.keyframe) {
-    ms += draft + draft_per_px * step.output.keyframe->blur_length_px;
-    seconds.draft = kSecondsPerMillisecond * ms;
-    ms += keyframe + keyframe_per_1000 * 1e-3 * step.output.keyframe->residuals;
-  }
-  seconds.total = kSecondsPerMillisecond * ms;
-  return seconds;
+  if (tracked.status == TrackingStatus::kLost) return tracked.blind ? 0.0 : relocalize;
+  return tracked.tracked() && !tracked.provisional && step.had_time ? depth_search : 0.0;
 }
 
 Machine Machine::slowedBy(double factor) const {
   Machine slower = *this;
   for (double* time : {&slower.image, &slower.track, &slower.track_per_px, &slower.orientation, &slower.look_for_map,
-                       &slower.first_map, &slower.depth_search, &slower.draft, &slower.draft_per_px, &slower.keyframe,
-                       &slower.keyframe_per_1000, &slower.relocalize, &slower.deferred}) {
+                       &slower.first_map, &slower.depth_search, &slower.draft, &slower.draft_per_px, &slower.iteration,
+                       &slower.iteration_per_1000, &slower.keyframe, &slower.relocalize, &slower.deferred}) {
     *time *= factor;
   }
   return slower;

@@ -39,15 +39,25 @@ void MachineMeter::add(const TrackerStep& step, double seconds) {
   if (tracked->orientation_only) orientation_.add(ms - step.build_ms);
 }
 
-void MachineMeter::add(const MapperStep& step, double seconds, std::optional<double> draft_seconds) {
+void MachineMeter::add(const MapperStep& step, double seconds) {
   const double ms = kMillisecondsPerSecond * seconds;
-  if (step.kind == MapperStep::Kind::kDeferred) return deferred_.add(ms);
-  if (step.kind != MapperStep::Kind::kFrame || !step.had_time) return;
+  if (step.kind == MapperStep::Kind::kDeferred) deferred_.add(ms);
+  if (step.kind == MapperStep::Kind::kFrame && step.had_time) addFrame(step, ms);
+  if (step.kind != MapperStep::Kind::kRefinement) return;
+  if (step.output.keyframe) {
+    keyframe_.add(ms);
+  } else if (step.output.residuals > 0) {
+    iteration_.add(ms, step.output.residuals / kThousand);
+  }
+}
+
+void MachineMeter::addFrame(const MapperStep& step, double ms) {
   const TrackedFrame& tracked = *step.cause.tracked;
   if (step.output.reference && step.output.reference->cause == ReferenceCause::kMapBegins) {
     first_map_.add(ms);
-  } else if (step.output.keyframe) {
-    if (draft_seconds) addKeyframe(step, ms, kMillisecondsPerSecond * *draft_seconds);
+  } else if (step.output.inserted_blur_px) {
+    // Depths are searched in that frame first, as in others.
+    if (!step.output.keyframe) draft_.add(std::max(0.0, ms - depth_search_.mean()), *step.output.inserted_blur_px);
   } else if (tracked.status == TrackingStatus::kInitializing) {
     if (!step.cause.has_reference) look_for_map_.add(ms);
   } else if (tracked.status == TrackingStatus::kLost) {
@@ -55,12 +65,6 @@ void MachineMeter::add(const MapperStep& step, double seconds, std::optional<dou
   } else if (!tracked.provisional) {
     depth_search_.add(ms);
   }
-}
-
-/// The frame that a keyframe comes with has its depths searched first, as others have.
-void MachineMeter::addKeyframe(const MapperStep& step, double ms, double draft_ms) {
-  draft_.add(std::max(0.0, draft_ms - depth_search_.mean()), step.output.keyframe->blur_length_px);
-  keyframe_.add(ms - draft_ms, step.output.keyframe->residuals / kThousand);
 }
 
 Machine MachineMeter::machine(const Machine& otherwise) const {
@@ -73,17 +77,20 @@ Machine MachineMeter::machine(const Machine& otherwise) const {
   take(look_for_map_, machine.look_for_map);
   take(first_map_, machine.first_map);
   take(depth_search_, machine.depth_search);
+  take(keyframe_, machine.keyframe);
   take(relocalize_, machine.relocalize);
   take(deferred_, machine.deferred);
   if (!track_.empty()) {
     machine.track = track_.offset();
     machine.track_per_px = track_.slope();
   }
-  if (!keyframe_.empty()) {
+  if (!draft_.empty()) {
     machine.draft = draft_.offset();
     machine.draft_per_px = draft_.slope();
-    machine.keyframe = keyframe_.offset();
-    machine.keyframe_per_1000 = keyframe_.slope();
+  }
+  if (!iteration_.empty()) {
+    machine.iteration = iteration_.offset();
+    machine.iteration_per_1000 = iteration_.slope();
   }
   return machine;
 }

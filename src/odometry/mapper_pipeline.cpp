@@ -13,11 +13,8 @@ bool isOrdinary(const TrackedFrame& tracked) { return tracked.tracked() && !trac
 
 }  // namespace
 
-MapperPipeline::MapperPipeline(const MapperConfig& config, std::size_t max_queue_bytes, DraftCallback on_draft)
-    : queue_(max_queue_bytes, bytesOf, mostDispensable),
-      on_draft_(std::move(on_draft)),
-      mapper_(config, on_draft_ ? [this](const ReferenceConstPtr& draft) { on_draft_({session_, draft}); }
-                                : Mapper::DraftCallback()) {}
+MapperPipeline::MapperPipeline(const MapperConfig& config, std::size_t max_queue_bytes)
+    : queue_(max_queue_bytes, bytesOf, mostDispensable), mapper_(config) {}
 
 std::vector<TrackerMessage> MapperPipeline::addFrame(const TrackerMessage& message) {
   std::vector<TrackerMessage> shed;
@@ -39,6 +36,7 @@ std::optional<MapperStep> MapperPipeline::step() {
     std::get<TrajectoryRequest>(*job)->set_value(mapper_.finishedTrajectory());
     return step;
   }
+  if (mapper_.needsRefinement()) return refine();
   if (!mapper_.doDeferredWork()) return std::nullopt;
   step.kind = MapperStep::Kind::kDeferred;
   return step;
@@ -63,16 +61,29 @@ void MapperPipeline::reset() {
 MapperStep MapperPipeline::take(const TrackerMessage& message) {
   MapperStep step;
   step.kind = MapperStep::Kind::kFrame;
-  step.cause = message;
+  step.cause = newest_ = message;
   step.was_reset = followSession(message);
   step.stale = message.tracked->tracked() && message.tracked->reference.map_id != map_id_;
   step.had_time = queue_.size() < kBacklog;
   step.output = mapper_.process(message.tracked, step.had_time);
-  if (step.output.reference) {
-    map_id_ = step.output.reference->id.map_id;
-    step.reference = {session_, step.output.reference};
-  }
+  address(step);
   return step;
+}
+
+MapperStep MapperPipeline::refine() {
+  MapperStep step;
+  step.kind = MapperStep::Kind::kRefinement;
+  step.cause = newest_;
+  step.output = mapper_.refine();
+  address(step);
+  return step;
+}
+
+/// To the tracker of the session.
+void MapperPipeline::address(MapperStep& step) {
+  if (!step.output.reference) return;
+  map_id_ = step.output.reference->id.map_id;
+  step.reference = {session_, step.output.reference};
 }
 
 /// A tracker that was merely restarted is given the current reference; one that was reset wants a new map.

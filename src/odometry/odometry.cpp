@@ -17,7 +17,7 @@ double now() { return std::chrono::duration<double>(Clock::now().time_since_epoc
 
 Odometry::Odometry(const OdometryConfig& config, int reference_delay_frames, const PhotometricCalibration& photometric)
     : tracker_({config, photometric, kUnbounded, false}),
-      mapper_(config.mapper, kUnbounded, [this](const MapperMessage&) { draft_time_ = now(); }),
+      mapper_(config.mapper, kUnbounded),
       reference_delay_frames_(reference_delay_frames) {
   if (reference_delay_frames < 0) {
     throw std::invalid_argument("reference delay of " + std::to_string(reference_delay_frames) +
@@ -93,10 +93,9 @@ void Odometry::map(const TrackerMessage& message, std::uint64_t frame, OdometryR
   const double begin = now();
   mapper_.addFrame(message);
   while (const std::optional<MapperStep> step = mapperStep()) {
-    if (step->kind != MapperStep::Kind::kFrame) continue;
     result.mapping.push_back(step->output);
-    // Without delay the very next frame has it.
-    if (step->output.reference) {
+    // Without delay the very next frame has it. A draft is for those who cannot wait.
+    if (step->output.reference && !mapper_.mapper().needsRefinement()) {
       pending_.push_back({frame + static_cast<std::uint64_t>(reference_delay_frames_) + 1, step->reference});
     }
   }
@@ -115,8 +114,7 @@ std::optional<MapperStep> Odometry::mapperStep() {
   const double begin = now();
   std::optional<MapperStep> step = mapper_.step();
   if (!step) return step;
-  const double end = now();
-  meter_.add(*step, end - begin, draft_time_ > begin ? std::optional<double>(draft_time_ - begin) : std::nullopt);
+  meter_.add(*step, now() - begin);
   return step;
 }
 

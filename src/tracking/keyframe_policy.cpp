@@ -18,6 +18,11 @@ double KeyframePolicy::need(const Reference& reference, const FrameMeasures& fra
          gain_change;
 }
 
+bool KeyframePolicy::isUrgent(const Reference& reference, const FrameMeasures& frame,
+                              const AffineBrightness& brightness) const {
+  return need(reference, frame, brightness) > kUrgentNeed;
+}
+
 bool KeyframePolicy::takes(const Reference& reference, const FrameMeasures& frame,
                            const AffineBrightness& brightness) const {
   const double excess_blur = std::max(0.0, frame.blur_length_px / std::max(config_.sharp_blur_px, 0.1) - 1.0);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -41,16 +42,6 @@ WindowOptimizerOptions optimizerOptions(const WindowConfig& config) {
   return options;
 }
 
-void check(const WindowKeyframe& keyframe, const WindowConfig& config) {
-  const std::string name = "window: keyframe " + std::to_string(keyframe.id);
-  if (keyframe.sharp == nullptr || keyframe.sharp->levels() == 0) {
-    throw std::invalid_argument(name + " has no sharp image");
-  }
-  if (config.reblur_targets && (keyframe.original == nullptr || keyframe.original->levels() == 0)) {
-    throw std::invalid_argument(name + " has no original image, which reblur_targets needs");
-  }
-}
-
 }  // namespace
 
 class Window::Impl {
@@ -77,6 +68,7 @@ class Window::Impl {
   ResidualOptions residual_options_;
   WindowLinearizer linearizer_;
   WindowOptimizer optimizer_;
+  std::optional<GaugeFixing> gauge_;  // of the optimisation that goes on, or went on last
   WindowMarginalizer marginalizer_;
   WindowPointActivation activation_;
   ScalePrior scale_prior_;
@@ -89,20 +81,9 @@ class Window::Impl {
 
 /// The state in which a keyframe enters the window.
 KeyframeState Window::Impl::stateOf(const WindowKeyframe& keyframe) const {
-  check(keyframe, config_);
-  KeyframeState added;
-  added.id = keyframe.id;
-  added.sharp = keyframe.sharp;
-  added.original = keyframe.original;
-  added.image_xi = keyframe.image_xi;
-  added.velocity = added.expected_velocity = keyframe.motion.velocity;
-  added.acceleration = keyframe.motion.acceleration;
-  added.blur_length_px = keyframe.blur_length_px;
-  added.xi = keyframe.xi;
-  added.correction = keyframe.correction;
+  checkImages(keyframe, config_.reblur_targets);
+  KeyframeState added(keyframe);
   added.lacking = keyframe.correction.lacks(correction_);
-  added.T_linear = keyframe.T_map_keyframe;
-  added.brightness_linear = keyframe.brightness;
   // Until its own residuals are known: as strict as the previous keyframe, at first twice the square of the Huber
   // threshold per pixel.
   added.outlier_energy = 2.0 * kResidualPixels * config_.huber_threshold * config_.huber_threshold;
@@ -235,16 +216,31 @@ std::optional<KeyframeMotion> Window::align(const WindowKeyframe& frame) const {
   return alignFrame(impl_->state_, impl_->stateOf(frame), impl_->residual_options_);
 }
 
-WindowSummary Window::optimize(int max_iterations) {
+void Window::beginOptimization(int max_iterations) {
   if (!impl_->scale_prior_chosen_ && impl_->state_.size() > 1 && !impl_->state_.hasMeasuredDepths()) {
     impl_->scale_prior_.choose(impl_->state_);
     impl_->scale_prior_chosen_ = impl_->scale_prior_.active();
   }
   impl_->pairs_.clear();
-  const GaugeFixing gauge(impl_->state_);
-  const WindowSummary summary = impl_->optimizer_.optimize(impl_->state_, impl_->scale_prior_, max_iterations);
-  if (!impl_->scale_prior_.active()) gauge.restore(impl_->state_);
+  impl_->gauge_.emplace(impl_->state_);
+  impl_->optimizer_.begin(impl_->state_, impl_->scale_prior_, max_iterations);
+}
+
+bool Window::iterate() {
+  impl_->pairs_.clear();
+  return impl_->optimizer_.iterate(impl_->state_, impl_->scale_prior_);
+}
+
+WindowSummary Window::endOptimization() {
+  const WindowSummary summary = impl_->optimizer_.finish(impl_->state_, impl_->scale_prior_);
+  if (!impl_->scale_prior_.active()) impl_->gauge_->restore(impl_->state_);
   return summary;
+}
+
+WindowSummary Window::optimize(int max_iterations) {
+  beginOptimization(max_iterations);
+  for (bool more = true; more;) more = iterate();
+  return endOptimization();
 }
 
 void Window::setCorrection(const CalibrationCorrection& correction) {
@@ -295,5 +291,10 @@ void Window::setSlopes(const std::vector<WindowPoint>& points,
 }
 
 int Window::pointCount() const { return static_cast<int>(impl_->state_.points.size()); }
+
+int Window::residualCount() const {
+  const auto add = [](int sum, const PointState& point) { return sum + static_cast<int>(point.residuals.size()); };
+  return std::accumulate(impl_->state_.points.begin(), impl_->state_.points.end(), 0, add);
+}
 
 }  // namespace mba_vo

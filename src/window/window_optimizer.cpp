@@ -104,30 +104,41 @@ void WindowOptimizer::updateOutlierThresholds(WindowState& state) const {
   }
 }
 
-void WindowOptimizer::begin(WindowState& state) {
+/// Of what is no photometric residual.
+double WindowOptimizer::otherCost(const WindowState& state, const ScalePrior& scale_prior) const {
+  return state.prior.cost(state.deltas()) + scale_prior.cost(state) + penalty_->cost(state) + measuredDepthCost(state);
+}
+
+void WindowOptimizer::begin(WindowState& state, const ScalePrior& scale_prior, int max_iterations) {
+  summary_ = {};
+  penalty_.reset();
+  if (state.size() < 2) return;  // nothing to compare; points wait for a second keyframe
+  max_iterations_ = max_iterations;
+  lambda_ = options_.initial_lambda;
+  penalty_.emplace(state);
   linearizer_.placePixels(state, options_.max_drift_px);
   evaluateAll(state);
   linearizer_.followResiduals(state, evaluation_);
   acceptEnergies(state);
   updateOutlierThresholds(state);
   linearizer_.assemble(state, evaluation_, system_);
+  summary_.initial_cost = photometricCost(state) + otherCost(state, scale_prior);
 }
 
 /// Moves the state by the step of the damped system; false if there is none.
-bool WindowOptimizer::step(WindowState& state, const ScalePrior& scale_prior, const NearDepthPenalty& penalty,
-                           double lambda) {
+bool WindowOptimizer::step(WindowState& state, const ScalePrior& scale_prior) {
   const Eigen::MatrixXd H = system_.H;
   const Eigen::VectorXd b = system_.b;
   const Eigen::VectorXd H_depth = system_.H_depth;
   const Eigen::VectorXd b_depth = system_.b_depth;
   state.prior.addTo(state.deltas(), system_.H, system_.b);
   scale_prior.addTo(state, system_.H, system_.b);
-  penalty.addTo(state, system_);
+  penalty_->addTo(state, system_);
   const double precision = state.meanPrecision();
   for (std::size_t i = 0; i < state.points.size(); ++i) {
     addMeasuredDepth(state.points[i], precision, static_cast<Eigen::Index>(i), system_);
   }
-  schur_.reduce(system_, lambda, reduced_);
+  schur_.reduce(system_, lambda_, reduced_);
   Eigen::VectorXd x;
   const bool solved = solver_.solve(reduced_.H, reduced_.b, x);
   Eigen::VectorXd depth_steps;
@@ -159,7 +170,8 @@ void WindowOptimizer::accept(WindowState& state) {
   acceptEnergies(state);
 }
 
-void WindowOptimizer::finish(WindowState& state, const NearDepthPenalty& penalty, WindowSummary& summary) const {
+/// And drops what has been bad for too long.
+void WindowOptimizer::summarize(WindowState& state) {
   const double precision = state.meanPrecision();
   double energy = 0.0;
   for (std::size_t i = 0; i < state.points.size(); ++i) {
@@ -169,7 +181,7 @@ void WindowOptimizer::finish(WindowState& state, const NearDepthPenalty& penalty
     for (PatchResidual& residual : point.residuals) {
       const bool good = state.isGood(residual);
       residual.bad_rounds = good ? 0 : residual.bad_rounds + 1;
-      summary.residuals += good ? 1 : 0;
+      summary_.residuals += good ? 1 : 0;
       energy += good ? static_cast<double>(residual.misfit) : 0.0;
     }
     auto& residuals = point.residuals;
@@ -180,54 +192,51 @@ void WindowOptimizer::finish(WindowState& state, const NearDepthPenalty& penalty
                                    }),
                     residuals.end());
   }
-  summary.depths = compareDepths(state);
-  summary.rms = std::sqrt(energy / std::max(1, summary.residuals * kResidualPixels));
+  summary_.depths = compareDepths(state);
+  summary_.rms = std::sqrt(energy / std::max(1, summary_.residuals * kResidualPixels));
   state.points.erase(std::remove_if(state.points.begin(), state.points.end(),
                                     [&](const PointState& p) {
-                                      return state.goodResiduals(p) == 0 || !penalty.isPlausible(p.inverse_depth);
+                                      return state.goodResiduals(p) == 0 || !penalty_->isPlausible(p.inverse_depth);
                                     }),
                      state.points.end());
 }
 
-WindowSummary WindowOptimizer::optimize(WindowState& state, const ScalePrior& scale_prior, int max_iterations) {
-  WindowSummary summary;
-  if (state.size() < 2) return summary;  // nothing to compare; points wait for a second keyframe
-  begin(state);
-  const NearDepthPenalty penalty(state);
-  const auto otherCost = [&] {
-    return state.prior.cost(state.deltas()) + scale_prior.cost(state) + penalty.cost(state) + measuredDepthCost(state);
-  };
-  summary.initial_cost = photometricCost(state) + otherCost();
-  double lambda = options_.initial_lambda;
-  while (summary.iterations < max_iterations && lambda <= options_.max_lambda) {
-    ++summary.iterations;
-    const Backup backup(state);
-    const double other_cost = otherCost();
-    bool better = step(state, scale_prior, penalty, lambda);
-    double change = 0.0;
-    if (better) {
-      evaluateAll(state);
-      change = costChange(state) + otherCost() - other_cost;
-      better = change < 0.0;
-    }
-    if (!better) {
-      backup.restore(state);
-      lambda = std::max(lambda, options_.initial_lambda) * 10.0;
-      continue;
-    }
-    accept(state);
-    lambda = std::max(0.1 * lambda, options_.min_lambda);
-    const bool converged =
-        -change < options_.min_relative_decrease * photometricCost(state) || step_norm_ < options_.min_step;
-    if (converged || summary.iterations == max_iterations) {
-      linearizer_.assembleDepths(state, evaluation_, system_.H_depth);
-      break;
-    }
-    linearizer_.assemble(state, evaluation_, system_);
+bool WindowOptimizer::iterate(WindowState& state, const ScalePrior& scale_prior) {
+  if (!penalty_ || summary_.iterations >= max_iterations_ || lambda_ > options_.max_lambda) return false;
+  ++summary_.iterations;
+  const Backup backup(state);
+  const double other_cost = otherCost(state, scale_prior);
+  bool better = step(state, scale_prior);
+  double change = 0.0;
+  if (better) {
+    evaluateAll(state);
+    change = costChange(state) + otherCost(state, scale_prior) - other_cost;
+    better = change < 0.0;
   }
-  summary.final_cost = photometricCost(state) + otherCost();
-  finish(state, penalty, summary);
-  return summary;
+  if (!better) {
+    backup.restore(state);
+    lambda_ = std::max(lambda_, options_.initial_lambda) * 10.0;
+    return summary_.iterations < max_iterations_ && lambda_ <= options_.max_lambda;
+  }
+  accept(state);
+  lambda_ = std::max(0.1 * lambda_, options_.min_lambda);
+  const bool converged =
+      -change < options_.min_relative_decrease * photometricCost(state) || step_norm_ < options_.min_step;
+  if (converged || summary_.iterations == max_iterations_) {
+    linearizer_.assembleDepths(state, evaluation_, system_.H_depth);
+    return false;
+  }
+  linearizer_.assemble(state, evaluation_, system_);
+  return true;
+}
+
+WindowSummary WindowOptimizer::finish(WindowState& state, const ScalePrior& scale_prior) {
+  if (penalty_) {
+    summary_.final_cost = photometricCost(state) + otherCost(state, scale_prior);
+    summarize(state);
+  }
+  penalty_.reset();
+  return summary_;
 }
 
 }  // namespace mba_vo

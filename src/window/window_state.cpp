@@ -8,6 +8,30 @@
 
 namespace mba_vo {
 
+void checkImages(const WindowKeyframe& keyframe, bool reblur_targets) {
+  const std::string name = "window: keyframe " + std::to_string(keyframe.id);
+  if (keyframe.sharp == nullptr || keyframe.sharp->levels() == 0) {
+    throw std::invalid_argument(name + " has no sharp image");
+  }
+  if (reblur_targets && (keyframe.original == nullptr || keyframe.original->levels() == 0)) {
+    throw std::invalid_argument(name + " has no original image, which reblur_targets needs");
+  }
+}
+
+KeyframeState::KeyframeState(const WindowKeyframe& entering)
+    : id(entering.id),
+      sharp(entering.sharp),
+      original(entering.original),
+      xi(entering.xi),
+      image_xi(entering.image_xi),
+      velocity(entering.motion.velocity),
+      expected_velocity(entering.motion.velocity),
+      acceleration(entering.motion.acceleration),
+      correction(entering.correction),
+      T_linear(entering.T_map_keyframe),
+      brightness_linear(entering.brightness),
+      blur_length_px(entering.blur_length_px) {}
+
 void KeyframeState::setMotion(const Vector6& motion) {
   if (const double seconds = exposure(); seconds > 0.0) velocity = motion / seconds;
   if (!image_xi.isZero(0.0)) image_xi = motion;

@@ -41,6 +41,8 @@ class Follower {
     motion_.update(*tracked);
     ++next_;
     MapperOutput output = mapper_.process(tracked);
+    if (mapper_.needsRefinement()) draft_ = output.reference;
+    while (mapper_.needsRefinement()) output = mapper_.refine();
     if (!output.reference) return output;
     const SE3& T_map_old = output.reference->T_map_keyframe.at(reference_->id.keyframe_id);
     motion_.changeReference(output.reference->T_map_reference.inverse() * T_map_old);
@@ -50,6 +52,9 @@ class Follower {
 
   bool atEnd() const { return next_ + 1 >= images_.size(); }
   const Reference& reference() const { return *reference_; }
+
+  /// Of the last keyframe, before it was refined.
+  ReferenceConstPtr draft() const { return draft_; }
 
   /// Until there is another keyframe.
   MapperOutput toNextKeyframe() {
@@ -66,6 +71,7 @@ class Follower {
   const std::vector<FrameConstPtr>& images_;
   Tracker tracker_;
   ReferenceConstPtr reference_;
+  ReferenceConstPtr draft_;
   MotionState motion_;
   std::size_t next_ = 0;
 };

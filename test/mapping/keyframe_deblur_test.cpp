@@ -55,7 +55,7 @@ MapperConfig eager(bool deterministic) {
 
 TEST(KeyframeDeblur, TheSharpImageTakesThePlaceOfTheBlurredOne) {
   const auto deblurrer = std::make_shared<FakeDeblurrer>(truth);
-  Mapper mapper(eager(true), {}, deblurrer);
+  Mapper mapper(eager(true), deblurrer);
   Follower follower(mapper, twins().blurred);
   const Reference first = follower.reference();
   EXPECT_FALSE(first.image_xi.isZero(0.0)) << "the map begins without waiting";
@@ -100,7 +100,7 @@ TEST(KeyframeDeblur, AnImageThatExplainsTheOtherKeyframesWorseIsHandedOutAlone) 
     result.sharpened = true;
     return result;
   };
-  Mapper mapper(checked, {}, std::make_shared<FakeDeblurrer>(flipped));
+  Mapper mapper(checked, std::make_shared<FakeDeblurrer>(flipped));
   Follower follower(mapper, twins().blurred);
   std::uint64_t handed_out = 0;
   while (!follower.atEnd()) {
@@ -123,7 +123,7 @@ TEST(KeyframeDeblur, AnImageThatExplainsTheOtherKeyframesBetterGetsIntoTheMap) {
   MapperConfig checked = eager(true);
   checked.deblur.check = true;
   checked.commute_blur = false;
-  Mapper mapper(checked, {}, std::make_shared<FakeDeblurrer>(truth));
+  Mapper mapper(checked, std::make_shared<FakeDeblurrer>(truth));
   Follower follower(mapper, twins().blurred);
   while (!follower.atEnd()) follower.step();
   EXPECT_GT(mapper.deblurCounts().in_map, 0U);
@@ -170,7 +170,7 @@ TEST(KeyframeDeblur, TheMapGoesOnWhileTheCpuIsTooSlow) {
   const auto slow = std::make_shared<SlowDeblurrer>(truth);
   MapperConfig busy = eager(false);
   busy.keyframe.flow_px = busy.keyframe.parallax_px = 5.0;  // many keyframes
-  Mapper mapper(busy, {}, slow);
+  Mapper mapper(busy, slow);
   Follower follower(mapper, twins().blurred);
   std::uint64_t keyframes = follower.reference().id.keyframe_id + 1;
   while (!follower.atEnd()) {
@@ -195,7 +195,7 @@ TEST(KeyframeDeblur, TheMapGoesOnWhileTheCpuIsTooSlow) {
 
 TEST(KeyframeDeblur, AResetWaitsForNothingAndNoResultGetsIntoTheNextMap) {
   const auto slow = std::make_shared<SlowDeblurrer>(truth);
-  Mapper mapper(eager(false), {}, slow);
+  Mapper mapper(eager(false), slow);
   {
     Follower follower(mapper, twins().blurred);
     follower.step();
@@ -217,7 +217,7 @@ TEST(KeyframeDeblur, AResetWaitsForNothingAndNoResultGetsIntoTheNextMap) {
 
 TEST(KeyframeDeblur, AMapThatIsLostTakesItsTasksAlong) {
   const auto slow = std::make_shared<SlowDeblurrer>(truth);
-  Mapper mapper(eager(false), {}, slow);
+  Mapper mapper(eager(false), slow);
   const Initialised initial = initialise(mapper, twins().blurred);
   ASSERT_TRUE(initial.output.reference);
   for (double t = 0.0; mapper.currentReference() && t < 3.0; t += 0.04) {
@@ -232,7 +232,7 @@ TEST(KeyframeDeblur, AMapThatIsLostTakesItsTasksAlong) {
 
 TEST(KeyframeDeblur, AnImageWithoutExposureTimeIsSharp) {
   const auto deblurrer = std::make_shared<FakeDeblurrer>(copyOf);
-  Mapper mapper(eager(true), {}, deblurrer);
+  Mapper mapper(eager(true), deblurrer);
   Follower follower(mapper);
   follower.toNextKeyframe();
   EXPECT_EQ(mapper.deblurCounts().offered, 0U);

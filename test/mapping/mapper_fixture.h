@@ -44,6 +44,13 @@ inline FrameConstPtr shifted(const FrameConstPtr& frame, double seconds) {
   return copy;
 }
 
+/// With all that is done about a keyframe that comes of it.
+inline MapperOutput whole(Mapper& mapper, const TrackedFrameConstPtr& frame) {
+  MapperOutput output = mapper.process(frame);
+  while (mapper.needsRefinement()) output = mapper.refine();
+  return output;
+}
+
 struct Initialised {
   MapperOutput output;
   int frames_used = 0;

@@ -32,7 +32,7 @@ std::string loseFor(Mapper& mapper, double seconds, double tracker_gives_up_afte
     const auto status = given_up ? TrackingStatus::kInitializing : TrackingStatus::kLost;
     auto tracked = std::make_shared<TrackedFrame>(*report(frame, status));
     tracked->blind = blind;
-    messages += mapper.process(tracked).message;
+    messages += whole(mapper, tracked).message;
   }
   return messages;
 }
@@ -50,7 +50,7 @@ TEST(Mapper, AMapThatContradictsItsImagesIsGivenUpAndItsPosesForgotten) {
     Vector6 turn = Vector6::Zero();
     turn(4) = 0.1 * (i + 1);
     const FrameConstPtr& next = frames().at(static_cast<std::size_t>(initial.frames_used + i));
-    output = mapper.process(report(next, TrackingStatus::kTracking, initial.output.reference->id, SE3::exp(turn)));
+    output = whole(mapper, report(next, TrackingStatus::kTracking, initial.output.reference->id, SE3::exp(turn)));
   }
   ASSERT_TRUE(output.keyframe);
   EXPECT_NE(output.message.find("map 1 was given up"), std::string::npos) << output.message;
@@ -99,12 +99,12 @@ TEST(Mapper, AFrameThatIsToBecomeAKeyframeDoesSoAtOnceWhenTheCameraIsLost) {
   Mapper mapper(config());
   EXPECT_EQ(stepsUntilKeyframe(mapper, steps - 1, none), steps - 1);  // the frame waits
   const FrameConstPtr next = shifted(elsewhere(frames().back()), 10.0);
-  const MapperOutput output = mapper.process(report(next, TrackingStatus::kLost));
+  const MapperOutput output = whole(mapper, report(next, TrackingStatus::kLost));
   ASSERT_TRUE(output.keyframe);
   EXPECT_EQ(output.keyframe->frame_sequence, expected);
   ASSERT_NE(output.reference, nullptr);
   EXPECT_EQ(output.reference->id.keyframe_id, output.keyframe->keyframe_id);
-  EXPECT_FALSE(mapper.process(report(shifted(next, 0.04), TrackingStatus::kLost)).keyframe) << "once is enough";
+  EXPECT_FALSE(whole(mapper, report(shifted(next, 0.04), TrackingStatus::kLost)).keyframe) << "once is enough";
 }
 
 TEST(Mapper, GivesUpItsMapTogetherWithTheTracker) {

@@ -67,7 +67,7 @@ TEST(Mapper, MapsOfAMapperThatWasThereBeforeAreNotNumberedAgain) {
   of_before.map_id = 7;
   MapperOutput output;
   for (std::size_t i = 0; i < frames().size() && !output.reference; ++i) {
-    output = mapper.process(report(frames()[i], TrackingStatus::kTracking, of_before));
+    output = whole(mapper, report(frames()[i], TrackingStatus::kTracking, of_before));
   }
   ASSERT_NE(output.reference, nullptr);
   EXPECT_EQ(output.reference->id.map_id, 8U);
@@ -121,7 +121,7 @@ bool turnsIntoKeyframe(Mapper& mapper, const Initialised& initial, bool provisio
     const auto tracked = report(next, TrackingStatus::kTracking, initial.output.reference->id, SE3::exp(turn));
     auto copy = std::make_shared<TrackedFrame>(*tracked);
     copy->provisional = provisional;
-    keyframe |= mapper.process(copy).keyframe.has_value();
+    keyframe |= whole(mapper, copy).keyframe.has_value();
   }
   return keyframe;
 }

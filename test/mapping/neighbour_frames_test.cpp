@@ -51,7 +51,7 @@ std::vector<DeblurInput> inputs(int frames, std::optional<double> exposure) {
     return result;
   };
   const auto deblurrer = std::make_shared<FakeDeblurrer>(leavesAll);
-  Mapper mapper(c, {}, deblurrer);
+  Mapper mapper(c, deblurrer);
   const std::vector<FrameConstPtr> walk = images(exposure);
   Follower follower(mapper, walk);
   while (!follower.atEnd()) follower.step();

@@ -1,6 +1,7 @@
 #include "mba_vo/mapping/outward_tracking.h"
 
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 #include "support/random.h"
 #include "support/rendered_room.h"
@@ -10,6 +11,7 @@ namespace {
 
 constexpr int kFirst = 40;
 constexpr int kReference = 5;  // counted from the first, as all below
+constexpr KeyframeId kSecond = 1;
 
 SimulatedFrame render(int index) { return test::roomSimulator().render(kFirst + index); }
 
@@ -40,6 +42,33 @@ class OutwardTrackingTest : public testing::Test {
     const Vector6 velocity = (reference_.T_world_start.inverse() * reference_.T_world_end).log() / reference_.exposure;
     const MotionState start({SE3(), velocity, reference_.exposure}, reference_.mid_exposure_ns);
     return OutwardTracking(MapperConfig(), std::move(initial), start, {frames.rbegin(), frames.rend()}, snapshot_);
+  }
+
+  /// A keyframe of the first frame, its image smoothed.
+  std::shared_ptr<Reference> second(double sigma_px) const {
+    const SimulatedFrame rendered = render(0);
+    cv::Mat1f image = test::toFloat(rendered.sharp);
+    if (sigma_px > 0.0) cv::GaussianBlur(image, image, cv::Size(), sigma_px);
+    const auto keyframe = test::makeReference(rendered, image);
+    keyframe->id.keyframe_id = kSecond;
+    keyframe->T_map_reference = truth(0);
+    return keyframe;
+  }
+
+  /// Four fifths of the keyframe's points are such as are no longer seen a frame before it.
+  void crowdWithPointsThatLeave() {
+    const PinholeCamera& camera = snapshot_->pyramid->level(0).camera;
+    std::vector<ReferencePoint>& points = snapshot_->points;
+    const SE3 T_frame_reference = truth(kReference - 1).inverse();
+    std::vector<ReferencePoint> leaving;
+    for (const ReferencePoint& point : points) {
+      const Eigen::Vector3d in_reference =
+          camera.unproject(point.pixel.cast<double>()) / static_cast<double>(point.inverse_depth);
+      if (!camera.contains(camera.project(T_frame_reference * in_reference))) leaving.push_back(point);
+    }
+    ASSERT_FALSE(leaving.empty());
+    const std::size_t others = points.size();
+    for (std::size_t i = 0; i < 4 * others; ++i) points.push_back(leaving[i % leaving.size()]);
   }
 
   SE3 truth(int index) const { return reference_.T_world_mid.inverse() * render(index).T_world_mid; }
@@ -85,23 +114,34 @@ TEST_F(OutwardTrackingTest, BeyondAFrameThatIsSeenBadlyAllAreDoubtful) {
 }
 
 TEST_F(OutwardTrackingTest, WhereLittleOfTheKeyframeIsSeenPosesAreDoubtful) {
-  const PinholeCamera& camera = snapshot_->pyramid->level(0).camera;
-  std::vector<ReferencePoint>& points = snapshot_->points;
-  const SE3 T_frame_reference = truth(kReference - 1).inverse();
-  std::vector<ReferencePoint> leaving;
-  for (const ReferencePoint& point : points) {
-    const Eigen::Vector3d in_reference =
-        camera.unproject(point.pixel.cast<double>()) / static_cast<double>(point.inverse_depth);
-    if (!camera.contains(camera.project(T_frame_reference * in_reference))) leaving.push_back(point);
-  }
-  ASSERT_FALSE(leaving.empty());
-  const std::size_t others = points.size();
-  for (std::size_t i = 0; i < 4 * others; ++i) points.push_back(leaving[i % leaving.size()]);
+  crowdWithPointsThatLeave();
   OutwardTracking backward = begin({frame(kReference - 2), frame(kReference - 1)});
   while (!backward.done()) {
     const TrackedFrame tracked = backward.next();
     EXPECT_EQ(tracked.status, TrackingStatus::kDegraded);
     EXPECT_FALSE(tracked.reason.empty());
+  }
+}
+
+TEST_F(OutwardTrackingTest, AKeyframeThatSeesMoreTakesOver) {
+  crowdWithPointsThatLeave();
+  OutwardTracking backward = begin({frame(kReference - 2), frame(kReference - 1)});
+  backward.update({snapshot_, second(0.0)});
+  for (int i = kReference - 1; !backward.done(); --i) {
+    const TrackedFrame tracked = backward.next();
+    ASSERT_EQ(tracked.status, TrackingStatus::kTracking) << tracked.reason;
+    EXPECT_EQ(tracked.reference.keyframe_id, kSecond);
+    const SE3 T_first_frame = truth(0) * tracked.trajectory.T_reference_mid;
+    EXPECT_LT((truth(i).inverse() * T_first_frame).log().norm(), 5e-3) << "frame " << i;
+  }
+}
+
+TEST_F(OutwardTrackingTest, ANearerKeyframeThatTellsLessDoesNot) {
+  OutwardTracking backward = begin({frame(0), frame(2), frame(4)});
+  backward.update({snapshot_, second(4.0)});
+  while (!backward.done()) {
+    const TrackedFrame t = backward.next();
+    EXPECT_EQ(t.reference.keyframe_id, snapshot_->id.keyframe_id);
   }
 }
 

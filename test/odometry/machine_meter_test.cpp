@@ -21,15 +21,23 @@ TrackerStep imageStep(TrackingStatus status, double blur_px) {
   return step;
 }
 
-MapperStep frameStep(TrackingStatus status, int residuals = 0) {
+MapperStep frameStep(TrackingStatus status) {
   MapperStep step;
   step.kind = MapperStep::Kind::kFrame;
   step.cause = imageStep(status, 0.0).message;
-  if (residuals > 0) {
-    step.output.keyframe = KeyframeReport();
-    step.output.keyframe->residuals = residuals;
-    step.output.keyframe->blur_length_px = 1e-3 * residuals;
-  }
+  return step;
+}
+
+MapperStep insertionStep(double blur_px) {
+  MapperStep step = frameStep(TrackingStatus::kTracking);
+  step.output.inserted_blur_px = blur_px;
+  return step;
+}
+
+MapperStep iterationStep(int residuals) {
+  MapperStep step;
+  step.kind = MapperStep::Kind::kRefinement;
+  step.output.residuals = residuals;
   return step;
 }
 
@@ -42,8 +50,9 @@ Machine made() {
   machine.depth_search = 4.0;
   machine.draft = 10.0;
   machine.draft_per_px = 0.7;
+  machine.iteration = 1.5;
+  machine.iteration_per_1000 = 2.0;
   machine.keyframe = 15.0;
-  machine.keyframe_per_1000 = 2.0;
   machine.relocalize = 30.0;
   machine.deferred = 8.0;
   return machine;
@@ -57,19 +66,19 @@ MachineMeter metered(const Machine& machine) {
     step.build_ms = machine.image;
     meter.add(step, machine.secondsFor(step));
   }
+  const auto add = [&](const MapperStep& step) { meter.add(step, machine.secondsFor(step)); };
   for (const TrackingStatus status :
        {TrackingStatus::kInitializing, TrackingStatus::kTracking, TrackingStatus::kLost}) {
-    const MapperStep step = frameStep(status);
-    meter.add(step, machine.secondsFor(step).total, std::nullopt);
+    add(frameStep(status));
   }
-  for (const int residuals : {1000, 5000, 20000}) {
-    const MapperStep step = frameStep(TrackingStatus::kTracking, residuals);
-    const Machine::MapperSeconds seconds = machine.secondsFor(step);
-    meter.add(step, seconds.total, seconds.draft);
-  }
+  for (const double blur_px : {1.0, 5.0, 20.0}) add(insertionStep(blur_px));
+  for (const int residuals : {1000, 5000, 20000}) add(iterationStep(residuals));
+  MapperStep last = iterationStep(5000);
+  last.output.keyframe = KeyframeReport();
+  add(last);
   MapperStep deferred;
   deferred.kind = MapperStep::Kind::kDeferred;
-  meter.add(deferred, machine.secondsFor(deferred).total, std::nullopt);
+  add(deferred);
   return meter;
 }
 
@@ -82,8 +91,9 @@ TEST(MachineMeter, FindsTheMachineThatItWasMeasuredOn) {
   EXPECT_NEAR(found.depth_search, 4.0, 1e-9);
   EXPECT_NEAR(found.draft, 10.0, 1e-9);
   EXPECT_NEAR(found.draft_per_px, 0.7, 1e-9);
+  EXPECT_NEAR(found.iteration, 1.5, 1e-9);
+  EXPECT_NEAR(found.iteration_per_1000, 2.0, 1e-9);
   EXPECT_NEAR(found.keyframe, 15.0, 1e-9);
-  EXPECT_NEAR(found.keyframe_per_1000, 2.0, 1e-9);
   EXPECT_NEAR(found.relocalize, 30.0, 1e-9);
   EXPECT_NEAR(found.deferred, 8.0, 1e-9);
   EXPECT_EQ(found.first_map, Machine().first_map) << "there was none";
@@ -92,7 +102,7 @@ TEST(MachineMeter, FindsTheMachineThatItWasMeasuredOn) {
 TEST(MachineMeter, TwiceAsSlowIsTwiceAsSlow) {
   const Machine found = metered(made().slowedBy(2.0)).machine();
   EXPECT_NEAR(found.track_per_px, 1.0, 1e-9);
-  EXPECT_NEAR(found.keyframe_per_1000, 4.0, 1e-9);
+  EXPECT_NEAR(found.iteration_per_1000, 4.0, 1e-9);
 }
 
 TEST(Machine, IsWrittenAndReadAsYaml) {

@@ -44,7 +44,7 @@ class Threads {
  public:
   Threads()
       : tracker_({options(), {}, kQueueBytes, true}),
-        mapper_(options().mapper, kQueueBytes, [this](const MapperMessage& draft) { deliver(draft); }),
+        mapper_(options().mapper, kQueueBytes),
         mapping_({[this] { return map(); }, [this](const std::string& what) { recoverMapper(what); }},
                  PipelineThread::Priority::kBackground),
         tracking_({[this] { return track(); }, [this](const std::string&) { tracker_.requestReset(); }}) {

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <deque>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "mba_vo/mapping/frame_refinement.h"
@@ -31,14 +31,12 @@ class DeferredTracking {
   void finish(const LocalMap& map, TrajectoryStore& store);
 
  private:
-  /// The first one of the two that has frames left; null if none has.
-  OutwardTracking* outward();
-  static void track(OutwardTracking& outward, TrajectoryStore& store);
+  void trackOutward(TrajectoryStore& store);
   void refine(const LocalMap& map, TrajectoryStore& store);
 
   MapperConfig config_;
-  std::optional<OutwardTracking> backward_;  // the frames before the map's first keyframe
-  std::optional<OutwardTracking> forward_;   // those after it that the tracker has not looked at
+  KeyframeId first_keyframe_ = 0;        // of the map
+  std::deque<OutwardTracking> outward_;  // the frames after it that the tracker has not looked at, then those before it
   FrameRefinement refinement_;
 };
 

@@ -16,12 +16,17 @@ class KeyframeSelector {
   explicit KeyframeSelector(const KeyframePolicyConfig& config) : policy_(config) {}
 
   /// The next frame. `newest`: the newest keyframe; the tracker may still be using an older one. Returns the frame
-  /// before it if that is to become a keyframe, else null.
-  TrackedFrameConstPtr add(const TrackedFrameConstPtr& frame, const SE3& T_map_camera, const Reference& newest);
+  /// that is to become a keyframe now, else null. While the window is `busy` with the newest one, the next waits,
+  /// unless its view is being left.
+  TrackedFrameConstPtr add(const TrackedFrameConstPtr& frame, const SE3& T_map_camera, const Reference& newest,
+                           bool busy);
+  /// Whether one waits only because the window was busy.
+  bool hasReady() const { return candidate_ && ready_; }
+  TrackedFrameConstPtr takeReady();
   /// The camera is lost: the frame that waits for the one after it waits no longer, for on fast turns what it has seen
   /// is all there is to go on with. Null if none waits.
   TrackedFrameConstPtr takeNow();
-  /// Of the frame that `add` or `takeNow` returned [m/s, rad/s, body frame].
+  /// Of the frame that was returned last [m/s, rad/s, body frame].
   const BodyMotion& motion() const { return taken_motion_; }
   /// A frame was tracked again.
   void revise(const TrackedFrameConstPtr& frame);
@@ -33,7 +38,8 @@ class KeyframeSelector {
   KeyframePolicy policy_;
   FiniteDifferenceVelocity motion_;
   BodyMotion taken_motion_;
-  TrackedFrameConstPtr candidate_;  // becomes a keyframe with the next frame
+  TrackedFrameConstPtr candidate_;  // becomes a keyframe
+  bool ready_ = false;              // the frame after it has been seen
 };
 
 }  // namespace mba_vo

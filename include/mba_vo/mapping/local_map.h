@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "mba_vo/depth_search/surface_slope.h"
+#include "mba_vo/mapping/calibration_estimator.h"
 #include "mba_vo/mapping/keyframe_report.h"
 #include "mba_vo/mapping/mapper_config.h"
 #include "mba_vo/trajectory/pose_interpolation.h"
 #include "mba_vo/trajectory/trajectory_store.h"
-#include "mba_vo/window/calibration_estimator.h"
 #include "mba_vo/window/window.h"
 
 namespace mba_vo {
@@ -66,8 +66,12 @@ class LocalMap {
   /// Makes the tracked frame, which moved by `motion`, a keyframe and activates points. It can serve as a reference
   /// from then on.
   KeyframeReport insertKeyframe(const TrackedFrame& tracked, const BodyMotion& motion);
-  /// Makes it a better one: optimises the window, marginalises, selects new points. Completes the report.
-  void refineWindow(KeyframeReport& report);
+  /// Does a piece of what makes it a better one: an iteration of the window's optimisation, at last marginalisation and
+  /// the selection of new points. False: that was the last, the report is complete. Frames may be used between.
+  bool refineWindow(KeyframeReport& report);
+  /// The last piece at once, because the next keyframe cannot wait: the window stays as far as it is optimised.
+  void refineWindowNoFurther(KeyframeReport& report);
+  int residualCount() const { return window_.residualCount(); }
 
   /// Whether with the sharp image in place of its own the keyframe would explain the others of the window no worse.
   bool explainsAsWell(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp) const;
@@ -95,16 +99,26 @@ class LocalMap {
     std::shared_ptr<const ImagePyramid> image;  // the frame's own, or a sharp one
     std::vector<ImmaturePoint> immature;
   };
+  /// How far the window is refined with its newest keyframe.
+  struct Refinement {
+    enum class Piece { kBegin, kIterate, kConclude };
+    Piece next = Piece::kBegin;
+    int calibration_steps = 0;  // taken
+  };
 
   void addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe);
   const PinholeCamera& cameraOf(KeyframeId keyframe) const { return keyframes_.at(keyframe).image->level(0).camera; }
   void activatePoints();
   void alignBlurred(double blur_length_px);
+  void beginOptimization(KeyframeReport& report);
+  void iterate(KeyframeReport& report);
+  void endOptimization(KeyframeReport& report);
+  void conclude(KeyframeReport& report);
   void updateSlopes();
   void selectImmaturePoints(HostKeyframe& host) const;
   void marginalizeKeyframes();
   void storePoses();
-  void refineImaging(KeyframeReport& report);
+  bool refineImaging(KeyframeReport& report);
   void keepForDisplay(KeyframeId keyframe);
   MapPoint displayPoint(const WindowPoint& point) const;
 
@@ -116,6 +130,7 @@ class LocalMap {
   Window window_;
   std::map<KeyframeId, HostKeyframe> keyframes_;
   KeyframeId next_keyframe_ = 0;
+  Refinement refinement_;
   int departed_ = 0;                     // keyframes that have left the window
   double activation_distance_px_ = 4.0;  // adapted so that the window holds about max_points
   double depth_search_ms_ = 0.0;         // since the last keyframe

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -15,10 +14,12 @@
 
 namespace mba_vo {
 
-/// What one call of Mapper::process produced.
+/// What one call of Mapper::process or Mapper::refine produced.
 struct MapperOutput {
   ReferenceConstPtr reference;                  // new snapshot for the tracker, or null
-  std::optional<KeyframeReport> keyframe;       // set if the frame became a keyframe
+  std::optional<double> inserted_blur_px;       // set if a keyframe was inserted: its blur
+  int residuals = 0;                            // that the optimisation went through
+  std::optional<KeyframeReport> keyframe;       // set if one has been refined, or had to do with what there was
   std::optional<SharpKeyframe> sharp_keyframe;  // set if one has been deblurred
   std::string message;                          // what happened, for the log and the status; may be empty
 };
@@ -27,20 +28,22 @@ struct MapperOutput {
 /// trajectory store. Not thread-safe: one thread calls it.
 class Mapper {
  public:
-  using DraftCallback = std::function<void(const ReferenceConstPtr&)>;
-
-  /// `on_draft` is given a snapshot of every new keyframe before the window is optimised with it: a tracker that cannot
-  /// wait is better off with that than with the keyframe before. It is called from within process(), which then returns
-  /// the better snapshot of the same keyframe. `deblurrer`: in place of the one that the configuration names.
-  explicit Mapper(const MapperConfig& config, DraftCallback on_draft = {},
-                  std::shared_ptr<const Deblurrer> deblurrer = nullptr);
+  /// `deblurrer`: in place of the one that the configuration names.
+  explicit Mapper(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer = nullptr);
   ~Mapper();
   Mapper(const Mapper&) = delete;
   Mapper& operator=(const Mapper&) = delete;
 
   /// Without time to spare, because other frames wait, it leaves out what others may do as well: to look for a first
-  /// map in this frame, or for depths.
+  /// map in this frame, or for depths. A keyframe that it inserts is of use at once: the reference in the output is a
+  /// snapshot of it, a draft. It waits for refine(), which may be called between frames, or after them. When the view
+  /// is being left, the next one is inserted before that is done.
   MapperOutput process(const TrackedFrameConstPtr& frame, bool has_time = true);
+  /// Whether there is a keyframe to be refined, or one to be inserted that waited for this.
+  bool needsRefinement() const;
+  /// Does a piece of it: an iteration of the window's optimisation. After the last one, the output has the better
+  /// snapshot of the keyframe.
+  MapperOutput refine();
 
   /// Whether anybody looks at sharp keyframes: only then are those made that are not for the map.
   void watchSharpKeyframes(bool watched);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <memory>
+#include <vector>
 
 #include "mba_vo/initialization/initializer.h"
 #include "mba_vo/mapping/mapper_config.h"
@@ -10,8 +12,6 @@
 #include "mba_vo/tracking/tracker.h"
 
 namespace mba_vo {
-
-class LocalMap;
 
 /// Velocity of the initial map's reference frame [m/s, rad/s] by the poses next to it in time.
 BodyMotion referenceMotion(const InitialMap& initial);
@@ -24,33 +24,40 @@ TrackingHint newestOf(const InitialMap& initial, const ExposureTrajectory& start
 TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameConstPtr& frame,
                                      const ExposureTrajectory& trajectory);
 
-/// Tracks frames against a map's first keyframe, one after the other away from it in time, backwards or forwards. Ends
-/// with the first one that is lost: beyond it there is nothing to predict from, and what seems to fit is seldom right.
-/// From the first one that is DEGRADED on, all are.
+/// Tracks frames one after the other away from a map's first keyframe in time, backwards or forwards, against that of
+/// the map's first keyframes by which a pose is known best: on a fast turn the first one is soon out of sight. Ends
+/// with the first frame that is lost: beyond it there is nothing to predict from, and what seems to fit is seldom
+/// right. From the first one that is DEGRADED on, all are.
 class OutwardTracking {
  public:
   /// `start`: motion at the initial map's reference frame. `frames`: in the order in which they are to be tracked,
-  /// against `first_keyframe`, a snapshot about it.
+  /// against `first_keyframe`, a snapshot about it, until there are others.
   OutwardTracking(const MapperConfig& config, std::shared_ptr<const InitialMap> initial, const MotionState& start,
-                  std::deque<FrameConstPtr> frames, ReferenceConstPtr first_keyframe);
+                  std::deque<FrameConstPtr> frames, const ReferenceConstPtr& first_keyframe);
 
   bool done() const { return frames_.empty(); }
-  /// False as long as the first keyframe's points have no good depths: it is better to wait.
-  bool isReady(const LocalMap& map) const;
-  /// The map has a new keyframe. While the first one is in the window, its points get better.
-  void update(const LocalMap& map);
-  /// Tracks the next frame, ready or not. The initial map's own pose of the frame, if there is one, is the guess.
+  /// Snapshots of the same moment about the first keyframe and those after it that are in the window: there are more of
+  /// them by now, and their points have become better.
+  void update(const std::vector<ReferenceConstPtr>& keyframes);
+  /// Tracks the next frame. The initial map's own pose of the frame, if there is one, is the guess.
   TrackedFrame next();
 
  private:
-  TrackingGuess guessFor(const Frame& frame) const;
+  /// In the axes of that keyframe.
+  TrackingGuess guessFor(const Frame& frame, const Reference& keyframe) const;
+  /// The keyframe that shows most of what a frame sees from there.
+  ReferenceConstPtr nearestTo(const SE3& T_map_camera) const;
+  /// By the keyframe of the frame before, or from now on by the nearest one.
+  TrackedFrame track(const FrameConstPtr& frame);
 
   Tracker tracker_;
+  KeyframePolicy policy_;
   double unknown_exposure_;  // [s]
   std::shared_ptr<const InitialMap> initial_;
-  std::deque<FrameConstPtr> frames_;  // still to be tracked
-  ReferenceConstPtr first_keyframe_;
-  MotionState motion_;
+  std::deque<FrameConstPtr> frames_;                   // still to be tracked
+  std::map<KeyframeId, ReferenceConstPtr> keyframes_;  // from the map's first one on
+  KeyframeId keyframe_;                                // of the last frame
+  MotionState motion_;                                 // there, relative to that keyframe
   AffineBrightness brightness_;
   bool seen_badly_ = false;  // the last frame was DEGRADED
 };

@@ -32,9 +32,7 @@ class LiveSimulation : public OdometryRun {
   };
   struct MapperWork {
     MapperStep step;
-    std::vector<MapperMessage> drafts;
-    double left_until_draft = 0.0;  // [s] of one core; only if there is a draft
-    double left = 0.0;              // [s] of one core
+    double left = 0.0;  // [s] of one core
   };
 
   void runUntil(double time, OdometryResult& result);
@@ -47,7 +45,6 @@ class LiveSimulation : public OdometryRun {
   void endTracking(OdometryResult& result);
 
   TrackerPipeline tracker_;
-  std::vector<MapperMessage> drafts_;  // of the step that the mapper is computing
   MapperPipeline mapper_;
   Machine machine_;
   std::optional<std::int64_t> first_ns_;  // mid-exposure of the first image, when time begins

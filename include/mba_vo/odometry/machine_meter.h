@@ -12,8 +12,7 @@ namespace mba_vo {
 class MachineMeter {
  public:
   void add(const TrackerStep& step, double seconds);
-  /// `draft_seconds`: until the draft of a new keyframe was sent, if there was one.
-  void add(const MapperStep& step, double seconds, std::optional<double> draft_seconds);
+  void add(const MapperStep& step, double seconds);
 
   /// What has been measured; the rest is as in `otherwise`.
   Machine machine(const Machine& otherwise = Machine()) const;
@@ -33,9 +32,10 @@ class MachineMeter {
     double t_ = 0.0, x_ = 0.0, xx_ = 0.0, xt_ = 0.0;  // sums
   };
 
-  void addKeyframe(const MapperStep& step, double ms, double draft_ms);
+  void addFrame(const MapperStep& step, double ms);
 
-  Fit image_, track_, orientation_, look_for_map_, first_map_, depth_search_, draft_, keyframe_, relocalize_, deferred_;
+  Fit image_, track_, orientation_, look_for_map_, first_map_, depth_search_, draft_, iteration_, keyframe_,
+      relocalize_, deferred_;
 };
 
 }  // namespace mba_vo

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <future>
 #include <memory>
 #include <optional>
@@ -19,27 +18,30 @@ namespace mba_vo {
 /// What one step of the mapper half did.
 struct MapperStep {
   enum class Kind {
-    kFrame,     // a tracked frame has been taken in
-    kDeferred,  // a piece of what can wait has been done
-    kPassed     // nothing that anybody has to know
+    kFrame,       // a tracked frame has been taken in
+    kRefinement,  // a piece of the refinement of a keyframe has been done
+    kDeferred,    // a piece of what can wait has been done
+    kPassed       // nothing that anybody has to know
   };
   Kind kind = Kind::kPassed;
-  TrackerMessage cause;  // the frame that was taken in
+  TrackerMessage cause;  // the frame that was taken in, or the last one
   MapperOutput output;
   MapperMessage reference;  // with `output.reference`, for the tracker half; null if there is none
   bool was_reset = false;   // the tracker had begun anew: the map was forgotten first
   bool had_time = true;     // else what other frames may do as well was left out
   bool stale = false;       // the frame was tracked in a map that is no more
+
+  /// There may be something new to see.
+  bool isOfFrame() const { return kind == Kind::kFrame || kind == Kind::kRefinement; }
 };
 
 /// The mapper half of the pipeline: tracked frames go in at any time, from any thread; step(), which one thread calls,
-/// takes in the next one, or does what has been put off while none waits.
+/// takes in the next one; while none waits, it refines the newest keyframe, and then does what has been put off. So the
+/// draft of a keyframe is never late because of the one before.
 class MapperPipeline {
  public:
-  using DraftCallback = std::function<void(const MapperMessage&)>;
-
-  /// `on_draft`: see Mapper; it is called from within step(). `max_queue_bytes`: of frames that wait for the mapper.
-  MapperPipeline(const MapperConfig& config, std::size_t max_queue_bytes, DraftCallback on_draft = {});
+  /// `max_queue_bytes`: of frames that wait for the mapper.
+  MapperPipeline(const MapperConfig& config, std::size_t max_queue_bytes);
 
   /// Thread-safe. Returns the frames that had to be shed, because too many wait.
   std::vector<TrackerMessage> addFrame(const TrackerMessage& message);
@@ -65,6 +67,8 @@ class MapperPipeline {
   static std::size_t bytesOf(const Job& job);
   static std::size_t mostDispensable(const std::deque<Job>& jobs);
   MapperStep take(const TrackerMessage& message);
+  MapperStep refine();
+  void address(MapperStep& step);
   bool followSession(const TrackerMessage& message);
 
   BoundedQueue<Job> queue_;
@@ -72,7 +76,7 @@ class MapperPipeline {
   // Of the one thread from here on.
   std::uint64_t session_ = 0;  // of the newest frame; 0 = none yet
   MapId map_id_ = 0;           // of the newest reference
-  DraftCallback on_draft_;
+  TrackerMessage newest_;      // that was taken in
   Mapper mapper_;
 };
 

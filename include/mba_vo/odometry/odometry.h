@@ -83,7 +83,6 @@ class Odometry : public OdometryRun {
 
   TrackerPipeline tracker_;
   MachineMeter meter_;
-  double draft_time_ = 0.0;  // when the last draft was sent [s]
   MapperPipeline mapper_;
   int reference_delay_frames_;
   std::uint64_t frames_ = 0;  // processed so far

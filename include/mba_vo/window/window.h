@@ -143,6 +143,11 @@ class Window {
 
   /// Levenberg-Marquardt on all states; re-classifies residuals as inliers and outliers; drops points left without any.
   WindowSummary optimize(int max_iterations);
+  /// The same in pieces: `iterate` does one step and says whether another is wanted; the end may come at any time.
+  /// Nothing may be added, replaced or marginalised meanwhile.
+  void beginOptimization(int max_iterations);
+  bool iterate();
+  WindowSummary endOptimization();
 
   /// The correction of the calibration that all images should have been made with; the window makes up for the
   /// difference.
@@ -167,6 +172,7 @@ class Window {
   AffineBrightness brightness(KeyframeId id) const;
   std::vector<WindowPoint> points() const;
   int pointCount() const;
+  int residualCount() const;  // good or not
 
  private:
   class Impl;

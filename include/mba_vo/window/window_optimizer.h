@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "mba_vo/solver/reduced_camera_solver.h"
 #include "mba_vo/window/near_depth_penalty.h"
 #include "mba_vo/window/scale_prior.h"
@@ -16,13 +18,17 @@ struct WindowOptimizerOptions {
   float max_drift_px = 0.75F;           // beyond it a residual gets new pixels
 };
 
-/// Levenberg-Marquardt on all states of a window.
+/// Levenberg-Marquardt on all states of a window, in pieces: `begin`, `iterate` while it says that there is more to do,
+/// and `finish`, which may come at any time between. The state must not change in other ways meanwhile.
 class WindowOptimizer {
  public:
   WindowOptimizer(const WindowLinearizer& linearizer, double huber_threshold, const WindowOptimizerOptions& options)
       : linearizer_(linearizer), huber_threshold_(huber_threshold), options_(options) {}
 
-  WindowSummary optimize(WindowState& state, const ScalePrior& scale_prior, int max_iterations);
+  void begin(WindowState& state, const ScalePrior& scale_prior, int max_iterations);
+  /// One step, taken or refused. False: no more are wanted.
+  bool iterate(WindowState& state, const ScalePrior& scale_prior);
+  WindowSummary finish(WindowState& state, const ScalePrior& scale_prior);
 
   /// Sum of the energies at the current state; an outlier counts with its keyframe's threshold.
   static double photometricCost(const WindowState& state);
@@ -32,11 +38,11 @@ class WindowOptimizer {
   void evaluateAll(WindowState& state);
   void acceptEnergies(WindowState& state) const;
   void updateOutlierThresholds(WindowState& state) const;
-  void begin(WindowState& state);
-  bool step(WindowState& state, const ScalePrior& scale_prior, const NearDepthPenalty& penalty, double lambda);
+  double otherCost(const WindowState& state, const ScalePrior& scale_prior) const;
+  bool step(WindowState& state, const ScalePrior& scale_prior);
   double costChange(const WindowState& state) const;
   void accept(WindowState& state);
-  void finish(WindowState& state, const NearDepthPenalty& penalty, WindowSummary& summary) const;
+  void summarize(WindowState& state);
 
   WindowLinearizer linearizer_;
   double huber_threshold_;
@@ -47,6 +53,10 @@ class WindowOptimizer {
   LinearizedWindow system_;      // at the current state
   ReducedSystem reduced_;
   double step_norm_ = 0.0;
+  std::optional<NearDepthPenalty> penalty_;  // while it is optimising
+  int max_iterations_ = 0;
+  double lambda_ = 0.0;
+  WindowSummary summary_;
 };
 
 }  // namespace mba_vo

@@ -22,6 +22,9 @@ inline constexpr int kResidualPixels = kSparsePixels;
 /// marginalisation prior; from then on it stays ("first estimates"), so that the prior and the residuals agree about
 /// which directions cannot be observed.
 struct KeyframeState {
+  KeyframeState() = default;
+  explicit KeyframeState(const WindowKeyframe& entering);
+
   KeyframeId id = 0;
   std::shared_ptr<const ImagePyramid> sharp;
   std::shared_ptr<const ImagePyramid> original;
@@ -50,6 +53,9 @@ struct KeyframeState {
   SE3 T_map_keyframe() const { return T_linear * SE3::exp(delta.head<6>()); }
   AffineBrightness brightness() const { return {brightness_linear.a + delta(6), brightness_linear.b + delta(7)}; }
 };
+
+/// Throws std::invalid_argument if the keyframe lacks an image that is needed.
+void checkImages(const WindowKeyframe& keyframe, bool reblur_targets);
 
 /// Energy of a residual whose patch left one of the images.
 inline constexpr float kNoEnergy = std::numeric_limits<float>::quiet_NaN();

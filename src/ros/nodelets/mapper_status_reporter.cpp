@@ -34,11 +34,15 @@ void MapperStatusReporter::frameUnusable(const std::string& reason) {
   status_.message = reason;
 }
 
-void MapperStatusReporter::frameProcessed(const TrackedFrame& frame, const MapperOutput& output, bool stale) {
+void MapperStatusReporter::frameProcessed(const TrackedFrame& frame, bool stale) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++status_.frames_processed;
   status_.frames_stale += stale ? 1 : 0;
   status_.header.stamp = toRosTime(frame.frame->stamp_ns);
+}
+
+void MapperStatusReporter::mapped(const MapperOutput& output) {
+  const std::lock_guard<std::mutex> lock(mutex_);
   if (!output.message.empty()) {
     status_.message = output.message;
   }

@@ -19,7 +19,8 @@ class MapperStatusReporter {
   void frameReceived(const TrackedFrameSummary& summary);
   void frameShed();
   void frameUnusable(const std::string& reason);
-  void frameProcessed(const TrackedFrame& frame, const MapperOutput& output, bool stale);
+  void frameProcessed(const TrackedFrame& frame, bool stale);
+  void mapped(const MapperOutput& output);
   void keyframesDeblurred(const DeblurCounts& counts);
   /// Something was thrown while a frame was worked on.
   void failed(const std::string& what);

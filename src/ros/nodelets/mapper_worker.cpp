@@ -21,8 +21,7 @@ MapperWorker::MapperWorker(ros::NodeHandle& nh, const NodeConfig& config, Mapper
       status_(status),
       references_(nh.advertise<ReferenceMessage>("reference", 100)),
       map_publisher_(nh, config),
-      pipeline_(config.odometry.mapper, static_cast<std::size_t>(kBytesPerMegabyte * config.mapper_queue_mb),
-                [this](const MapperMessage& draft) { publishReference(draft); }),
+      pipeline_(config.odometry.mapper, static_cast<std::size_t>(kBytesPerMegabyte * config.mapper_queue_mb)),
       thread_({[this] { return step(); }, [this](const std::string& what) { recover(what); }},
               PipelineThread::Priority::kBackground) {}
 
@@ -72,7 +71,7 @@ bool MapperWorker::work() {
   if (answerPoints()) return true;
   pipeline_.watchSharpKeyframes(map_publisher_.wantsSharpKeyframes());
   const std::optional<MapperStep> step = pipeline_.step();
-  if (step && step->kind == MapperStep::Kind::kFrame) publishFrame(*step);
+  if (step && step->isOfFrame()) publish(*step);
   return step.has_value();
 }
 
@@ -84,19 +83,21 @@ void MapperWorker::recover(const std::string& what) {
   status_.publish(pipeline_.queueBytes());
 }
 
-void MapperWorker::publishFrame(const MapperStep& step) {
+void MapperWorker::publish(const MapperStep& step) {
   const MapperOutput& output = step.output;
   const ros::Time stamp = toRosTime(step.cause.tracked->frame->stamp_ns);
   const std::string& camera_frame = step.cause.mount.camera_frame;
   if (step.was_reset) status_.wasReset("reset by the tracker");
-  status_.frameProcessed(*step.cause.tracked, output, step.stale);
+  if (step.kind == MapperStep::Kind::kFrame) status_.frameProcessed(*step.cause.tracked, step.stale);
+  status_.mapped(output);
   status_.keyframesDeblurred(pipeline_.mapper().deblurCounts());
   if (output.reference) publishReference(step.reference);
   if (output.keyframe || output.reference || step.was_reset) {
     ROS_INFO_STREAM_COND(!output.message.empty(), output.message);
     status_.publish(pipeline_.queueBytes());
   }
-  if (output.reference) map_publisher_.publishKeyframe(*output.reference, camera_frame, stamp);
+  const bool draft = output.inserted_blur_px.has_value();
+  if (output.reference && !draft) map_publisher_.publishKeyframe(*output.reference, camera_frame, stamp);
   if (output.sharp_keyframe) map_publisher_.publishSharpKeyframe(*output.sharp_keyframe, camera_frame);
   map_publisher_.publish(pipeline_.mapper(), step.cause.mount.T_base_camera, stamp);
 }

@@ -34,7 +34,7 @@ class MapperWorker {
   bool work();
   bool answerPoints();
   void recover(const std::string& what);
-  void publishFrame(const MapperStep& step);
+  void publish(const MapperStep& step);
   void publishReference(const MapperMessage& message);
 
   const std::string map_frame_;

@@ -1,4 +1,4 @@
-#include "mba_vo/window/calibration_estimator.h"
+#include "mba_vo/mapping/calibration_estimator.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,132 @@
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "mba_vo/mapping/freed_memory.h"
+#include "mba_vo/mapping/local_map.h"
+#include "mba_vo/window/motion_alignment.h"
+#include "mba_vo/window/point_activator.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr int kCalibrationKeyframes = 2;   // least number in a window that tells about the calibration
+constexpr int kCalibrationSteps = 3;       // at most, with one keyframe
+constexpr std::uint64_t kSlopeStride = 2;  // a point's slope is updated with every so many keyframes
+constexpr int kDeparturesPerReturn = 8;    // of keyframes, until the memory they leave is given back
+
+using Clock = std::chrono::steady_clock;
+
+double millisecondsSince(Clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+}  // namespace
+
+bool LocalMap::refineWindow(KeyframeReport& report) {
+  const Clock::time_point begin = Clock::now();
+  switch (refinement_.next) {
+    case Refinement::Piece::kBegin:
+      beginOptimization(report);
+      break;
+    case Refinement::Piece::kIterate:
+      iterate(report);
+      break;
+    case Refinement::Piece::kConclude:
+      conclude(report);
+      break;
+  }
+  report.total_ms += millisecondsSince(begin);
+  return refinement_.next != Refinement::Piece::kBegin;
+}
+
+void LocalMap::refineWindowNoFurther(KeyframeReport& report) {
+  const Clock::time_point begin = Clock::now();
+  if (refinement_.next == Refinement::Piece::kBegin) beginOptimization(report);
+  if (refinement_.next == Refinement::Piece::kIterate) endOptimization(report);
+  conclude(report);
+  report.total_ms += millisecondsSince(begin);
+}
+
+void LocalMap::beginOptimization(KeyframeReport& report) {
+  updateSlopes();
+  alignBlurred(report.blur_length_px);
+  const Clock::time_point stage = Clock::now();
+  window_.beginOptimization(config_.window.max_iterations);
+  report.optimisation_ms += millisecondsSince(stage);
+  refinement_ = {Refinement::Piece::kIterate, 0};
+}
+
+void LocalMap::iterate(KeyframeReport& report) {
+  Clock::time_point stage = Clock::now();
+  const bool more = window_.iterate();
+  if (!more) endOptimization(report);
+  storePoses();
+  report.optimisation_ms += millisecondsSince(stage);
+  if (more) return;
+  stage = Clock::now();
+  refinement_.next = refineImaging(report) ? Refinement::Piece::kIterate : Refinement::Piece::kConclude;
+  report.calibration_ms += millisecondsSince(stage);
+}
+
+void LocalMap::endOptimization(KeyframeReport& report) {
+  const WindowSummary summary = window_.endOptimization();
+  storePoses();
+  if (refinement_.calibration_steps > 0) return;
+  report.depths = summary.depths;
+  report.residuals = summary.residuals;
+  report.rms = summary.rms;
+}
+
+void LocalMap::conclude(KeyframeReport& report) {
+  Clock::time_point stage = Clock::now();
+  marginalizeKeyframes();
+  report.marginalisation_ms = millisecondsSince(stage);
+  stage = Clock::now();
+  selectImmaturePoints(keyframes_.at(newestKeyframe()));
+  report.selection_ms = millisecondsSince(stage);
+  report.points = window_.pointCount();
+  report.depth_search_ms = std::exchange(depth_search_ms_, 0.0);
+  refinement_ = {};
+}
+
+/// Of half of the points, by turns: a slope, which most points have from their activation on, changes but slowly.
+void LocalMap::updateSlopes() {
+  const std::vector<WindowPoint> points = window_.points();
+  std::map<KeyframeId, SurfaceSlopes> slopes;  // of the keyframes that have points
+  for (const WindowPoint& point : points) {
+    if (slopes.count(point.host) > 0) continue;
+    const PinholeCamera& camera = cameraOf(point.host);
+    slopes.emplace(point.host, SurfaceSlopes(camera, pointsSeenBy(window_, points, camera, point.host)));
+  }
+  window_.setSlopes(points, [&](const WindowPoint& point) -> std::optional<Eigen::Vector2d> {
+    if ((point.id + newestKeyframe()) % kSlopeStride != 0) return std::nullopt;
+    return slopes.at(point.host).at(point.pixel, point.inverse_depth, kResidualVariance * point.variance);
+  });
+}
+
+/// One step of the calibration. Returns whether one was taken: the window is then to be optimised with it.
+bool LocalMap::refineImaging(KeyframeReport& report) {
+  const bool rolling = cameraOf(newestKeyframe()).row_time != 0.0;
+  if (!config_.refine_calibration && !rolling) return false;
+  if (static_cast<int>(keyframes_.size()) < kCalibrationKeyframes) return false;
+  if (refinement_.calibration_steps >= kCalibrationSteps) return false;
+  report.calibration = {calibration_.correction(), window_.refineRowMotions()};
+  if (!config_.refine_calibration || !calibration_.add(report.calibration->system)) return false;
+  ++refinement_.calibration_steps;
+  window_.setCorrection(calibration_.correction());
+  window_.beginOptimization(config_.window.max_iterations);
+  return true;
+}
+
+void LocalMap::marginalizeKeyframes() {
+  for (const KeyframeId id : window_.keyframesToMarginalize()) {
+    keepForDisplay(id);
+    window_.marginalize(id);
+    store_.attachKeyframe(id_, id, keyframes_.upper_bound(id)->first);
+    keyframes_.erase(id);
+    if (++departed_ % kDeparturesPerReturn == 0) returnFreedMemory();
+  }
+}
+
+}  // namespace mba_vo
