@@ -116,6 +116,21 @@ class Docs(unittest.TestCase):
                     wrong.append("%s: %s" % (page.relative_to(ROOT), name))
         self.check(wrong)
 
+    def test_accuracy_in_the_readme_is_that_of_the_page_of_results(self):
+        def rows(text, heading):
+            section = text[text.index(heading):]
+            lines = re.split(r"\n## ", section)[1 if section.startswith("\n## ") else 0].splitlines()
+            return [[cell.strip(" `") for cell in line.strip("|").split("|")] for line in lines if line.startswith("|")]
+
+        told = rows(text_of(ROOT / "README.md"), "\n## Accuracy")
+        results = text_of(ROOT / "docs" / "results.md")
+        live = {row[0]: row for row in rows(results, "\n## As published, live")}
+        smoothed = {row[0]: row for row in rows(results, "\n## Smoothed")}
+        for column, name in enumerate(told[0][1:], start=1):
+            name = name.split("`")[0]
+            self.assertEqual("%s mm, %s %%" % (live[name][1].split()[0], live[name][4]), told[2][column])
+            self.assertEqual("%s mm" % smoothed[name][2].split()[0], told[3][column])
+
     def test_options_of_programs_exist(self):
         foreign = {"--cpu-list", "--build", "--target", "--prefix", "--install"}
         foreign |= {"--graphdef", "--inputs", "--inputs-as-nchw", "--opset", "--outputs", "--outputs-as-nchw"}  # tf2onnx
