@@ -113,8 +113,7 @@ std::optional<TrackerStep> Odometry::trackerStep(bool at_end) {
 std::optional<MapperStep> Odometry::mapperStep() {
   const double begin = now();
   std::optional<MapperStep> step = mapper_.step();
-  if (!step) return step;
-  meter_.add(*step, now() - begin);
+  if (step) meter_.add(*step, now() - begin);
   return step;
 }
 

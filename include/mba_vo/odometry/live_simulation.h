@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "mba_vo/odometry/machine.h"
 #include "mba_vo/odometry/odometry.h"
