@@ -1,7 +1,6 @@
 #include "mba_vo/mapping/local_map.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <iterator>
 
@@ -9,18 +8,13 @@
 #include "mba_vo/image/point_selector.h"
 #include "mba_vo/window/motion_alignment.h"
 #include "mba_vo/window/point_activator.h"
+#include "stage_clock.h"
 
 namespace mba_vo {
 namespace {
 
 constexpr int kHostsSearched = 5;             // the newest: what an older one has not found by then is out of sight
 constexpr std::size_t kPointsPerSearch = 64;  // in one piece of parallel work
-
-using Clock = std::chrono::steady_clock;
-
-double millisecondsSince(Clock::time_point begin) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-}
 
 /// As it would enter a window; its id is left open.
 WindowKeyframe windowKeyframe(const FrameConstPtr& frame, const SE3& T_map_camera, const BodyMotion& motion,
@@ -83,7 +77,7 @@ void LocalMap::addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe) 
 }
 
 void LocalMap::searchDepths(const TrackedFrame& tracked) {
-  const Clock::time_point begin = Clock::now();
+  const StageClock::time_point begin = StageClock::now();
   const SE3 T_map_frame = T_map_camera(tracked);
   const auto hosts = std::min<std::ptrdiff_t>(kHostsSearched, std::distance(keyframes_.begin(), keyframes_.end()));
   for (auto keyframe = std::prev(keyframes_.end(), hosts); keyframe != keyframes_.end(); ++keyframe) {
@@ -121,12 +115,12 @@ void LocalMap::replaceImage(KeyframeId keyframe, const std::shared_ptr<const Ima
 
 KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const BodyMotion& motion) {
   KeyframeReport report;
-  const Clock::time_point begin = Clock::now();
+  const StageClock::time_point begin = StageClock::now();
   WindowKeyframe keyframe = windowKeyframe(tracked.frame, T_map_camera(tracked), motion, tracked.brightness);
   keyframe.blur_length_px = tracked.measures.blur_length_px;
   addKeyframe(tracked.frame, std::move(keyframe));
   window_.addResidualsTo(newestKeyframe());
-  const Clock::time_point stage = Clock::now();
+  const StageClock::time_point stage = StageClock::now();
   alignBlurred(tracked.measures.blur_length_px);
   activatePoints();
   storePoses();

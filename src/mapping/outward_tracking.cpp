@@ -11,8 +11,8 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kLeastVisible = 0.35;  // share of a keyframe's points; with fewer, poses drift
-constexpr double kTolerance = 1.25;     // by which more error may be expected of a pose by a nearer keyframe
+constexpr double kLeastVisible = 0.35;    // share of a keyframe's points; with fewer, poses drift
+constexpr double kMostErrorRatio = 1.25;  // by which more error may be expected of a pose by a nearer keyframe
 
 void degrade(TrackedFrame& tracked, const char* reason) {
   if (tracked.status != TrackingStatus::kTracking) return;
@@ -119,7 +119,7 @@ TrackedFrame OutwardTracking::track(const FrameConstPtr& frame) {
   const ReferenceConstPtr nearest = nearestTo(last.T_map_reference * there.T_reference_mid);
   if (nearest->id.keyframe_id == keyframe_) return tracked;
   TrackedFrame again = tracker_.track(*nearest, frame, guessFor(*frame, *nearest));
-  const bool better = !tracked.tracked() || again.expected_error <= kTolerance * tracked.expected_error;
+  const bool better = !tracked.tracked() || again.expected_error <= kMostErrorRatio * tracked.expected_error;
   if (!again.tracked() || !better) return tracked;
   motion_.changeReference(nearest->T_map_reference.inverse() * last.T_map_reference);
   keyframe_ = nearest->id.keyframe_id;

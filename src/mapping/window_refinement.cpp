@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "mba_vo/mapping/freed_memory.h"
 #include "mba_vo/mapping/local_map.h"
 #include "mba_vo/window/motion_alignment.h"
 #include "mba_vo/window/point_activator.h"
+#include "stage_clock.h"
 
 namespace mba_vo {
 namespace {
@@ -15,16 +15,10 @@ constexpr int kCalibrationSteps = 3;       // at most, with one keyframe
 constexpr std::uint64_t kSlopeStride = 2;  // a point's slope is updated with every so many keyframes
 constexpr int kDeparturesPerReturn = 8;    // of keyframes, until the memory they leave is given back
 
-using Clock = std::chrono::steady_clock;
-
-double millisecondsSince(Clock::time_point begin) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-}
-
 }  // namespace
 
 bool LocalMap::refineWindow(KeyframeReport& report) {
-  const Clock::time_point begin = Clock::now();
+  const StageClock::time_point begin = StageClock::now();
   switch (refinement_.next) {
     case Refinement::Piece::kBegin:
       beginOptimization(report);
@@ -41,7 +35,7 @@ bool LocalMap::refineWindow(KeyframeReport& report) {
 }
 
 void LocalMap::refineWindowNoFurther(KeyframeReport& report) {
-  const Clock::time_point begin = Clock::now();
+  const StageClock::time_point begin = StageClock::now();
   if (refinement_.next == Refinement::Piece::kBegin) beginOptimization(report);
   if (refinement_.next == Refinement::Piece::kIterate) endOptimization(report);
   conclude(report);
@@ -51,20 +45,20 @@ void LocalMap::refineWindowNoFurther(KeyframeReport& report) {
 void LocalMap::beginOptimization(KeyframeReport& report) {
   updateSlopes();
   alignBlurred(report.blur_length_px);
-  const Clock::time_point stage = Clock::now();
+  const StageClock::time_point stage = StageClock::now();
   window_.beginOptimization(config_.window.max_iterations);
   report.optimisation_ms += millisecondsSince(stage);
   refinement_ = {Refinement::Piece::kIterate, 0};
 }
 
 void LocalMap::iterate(KeyframeReport& report) {
-  Clock::time_point stage = Clock::now();
+  StageClock::time_point stage = StageClock::now();
   const bool more = window_.iterate();
   if (!more) endOptimization(report);
   storePoses();
   report.optimisation_ms += millisecondsSince(stage);
   if (more) return;
-  stage = Clock::now();
+  stage = StageClock::now();
   refinement_.next = refineImaging(report) ? Refinement::Piece::kIterate : Refinement::Piece::kConclude;
   report.calibration_ms += millisecondsSince(stage);
 }
@@ -79,10 +73,10 @@ void LocalMap::endOptimization(KeyframeReport& report) {
 }
 
 void LocalMap::conclude(KeyframeReport& report) {
-  Clock::time_point stage = Clock::now();
+  StageClock::time_point stage = StageClock::now();
   marginalizeKeyframes();
   report.marginalisation_ms = millisecondsSince(stage);
-  stage = Clock::now();
+  stage = StageClock::now();
   selectImmaturePoints(keyframes_.at(newestKeyframe()));
   report.selection_ms = millisecondsSince(stage);
   report.points = window_.pointCount();

@@ -93,7 +93,7 @@ void Odometry::map(const TrackerMessage& message, std::uint64_t frame, OdometryR
   const double begin = now();
   mapper_.addFrame(message);
   while (const std::optional<MapperStep> step = mapperStep()) {
-    result.mapping.push_back(step->output);
+    if (step->isOfFrame()) result.mapping.push_back(step->output);
     // Without delay the very next frame has it. A draft is for those who cannot wait.
     if (step->output.reference && !mapper_.mapper().needsRefinement()) {
       pending_.push_back({frame + static_cast<std::uint64_t>(reference_delay_frames_) + 1, step->reference});

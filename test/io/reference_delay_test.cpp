@@ -36,14 +36,15 @@ std::vector<Step> runSteps(int delay) {
     // Frames that had to wait for the first reference come first, each with what the mapper made of it.
     std::vector<TrackedFrameConstPtr> reported = result.late;
     reported.push_back(result.tracked());
-    for (std::size_t n = 0; n < reported.size(); ++n) {
-      Step& step = steps.at(reported[n]->frame->sequence);
-      if (reported[n]->tracked() && !step.used) {  // at first: it may be tracked again later
-        step.used = reported[n]->reference;
-      }
-      if (result.mapping.at(n).reference) {
-        step.emitted = result.mapping[n].reference->id;
-      }
+    for (const TrackedFrameConstPtr& tracked : reported) {
+      Step& step = steps.at(tracked->frame->sequence);
+      if (tracked->tracked() && !step.used) step.used = tracked->reference;  // at first: it may be tracked again later
+    }
+    std::size_t taken_in = 0;
+    for (const MapperOutput& output : result.mapping) {
+      if (output.residuals == 0) ++taken_in;  // else it is a piece of the refinement that the last one has caused
+      if (!output.reference || output.inserted_blur_px) continue;  // drafts are for live runs
+      steps.at(reported.at(taken_in - 1)->frame->sequence).emitted = output.reference->id;
     }
   }
   return steps;
