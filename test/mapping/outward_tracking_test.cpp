@@ -140,8 +140,9 @@ TEST_F(OutwardTrackingTest, ANearerKeyframeThatTellsLessDoesNot) {
   OutwardTracking backward = begin({frame(0), frame(2), frame(4)});
   backward.update({snapshot_, second(4.0)});
   while (!backward.done()) {
-    const TrackedFrame t = backward.next();
-    EXPECT_EQ(t.reference.keyframe_id, snapshot_->id.keyframe_id);
+    const TrackedFrame tracked = backward.next();
+    EXPECT_EQ(tracked.status, TrackingStatus::kTracking) << tracked.reason;
+    EXPECT_EQ(tracked.reference.keyframe_id, snapshot_->id.keyframe_id);
   }
 }
 
