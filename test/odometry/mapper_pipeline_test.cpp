@@ -1,5 +1,6 @@
 #include "mba_vo/odometry/mapper_pipeline.h"
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -98,6 +99,40 @@ TEST(MapperPipeline, AskingForTheTrajectoryChangesNothing) {
   const std::vector<SE3> undisturbed = posesAfter(false);
   ASSERT_EQ(asked.size(), undisturbed.size());
   for (std::size_t i = 0; i < asked.size(); ++i) EXPECT_EQ(asked[i].log(), undisturbed[i].log()) << i;
+}
+
+TEST(MapperPipeline, FramesComeBetweenThePiecesOfAKeyframe) {
+  MapperPipeline pipeline(config(), kQueueBytes);
+  const MapperMessage first = begin(pipeline, 5);
+  ASSERT_NE(first.reference, nullptr);
+  auto next = std::find_if(frames().begin(), frames().end(), [&](const FrameConstPtr& frame) {
+    return frame->mid_exposure_ns > first.reference->hint->mid_exposure_ns;
+  });
+  double angle = 0.0;
+  const auto addFrame = [&] {
+    ASSERT_NE(next, frames().end());
+    Vector6 turn = Vector6::Zero();
+    turn(4) = angle += 0.1;
+    pipeline.addFrame(message(5, report(*next++, TrackingStatus::kTracking, first.reference->id, SE3::exp(turn))));
+  };
+  std::optional<MapperStep> step;
+  while (!step || !step->output.inserted_blur_px) {
+    addFrame();
+    step = pipeline.step();
+    ASSERT_TRUE(step);
+  }
+  EXPECT_NE(step->reference.reference, nullptr) << "the draft goes to the tracker at once";
+  step = pipeline.step();
+  ASSERT_TRUE(step);
+  EXPECT_EQ(step->kind, MapperStep::Kind::kRefinement);
+  EXPECT_FALSE(step->output.keyframe) << "a piece of it";
+  addFrame();
+  step = pipeline.step();
+  ASSERT_TRUE(step);
+  EXPECT_EQ(step->kind, MapperStep::Kind::kFrame);
+  step = pipeline.step();
+  ASSERT_TRUE(step);
+  EXPECT_EQ(step->kind, MapperStep::Kind::kRefinement);
 }
 
 TEST(MapperPipeline, ARequestedTrajectoryHasAllFramesThatWereAddedBefore) {
