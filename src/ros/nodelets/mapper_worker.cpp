@@ -99,7 +99,9 @@ void MapperWorker::publish(const MapperStep& step) {
   const bool draft = output.inserted_blur_px.has_value();
   if (output.reference && !draft) map_publisher_.publishKeyframe(*output.reference, camera_frame, stamp);
   if (output.sharp_keyframe) map_publisher_.publishSharpKeyframe(*output.sharp_keyframe, camera_frame);
-  map_publisher_.publish(pipeline_.mapper(), step.cause.mount.T_base_camera, stamp);
+  if (step.kind == MapperStep::Kind::kFrame || output.keyframe) {
+    map_publisher_.publish(pipeline_.mapper(), step.cause.mount.T_base_camera, stamp);
+  }
 }
 
 void MapperWorker::publishReference(const MapperMessage& message) {

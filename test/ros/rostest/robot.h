@@ -60,12 +60,14 @@ class Robot {
     const boost::function<void(const TrackedFrameMessageConstPtr&)> on_frame = [this](const auto& message) {
       const std::lock_guard<std::mutex> lock(mutex_);
       tracked_.insert(message->message.tracked->frame->sequence);
-      ++to_map_;
+      to_map_.insert(message->summary.header.stamp);
       changed_.notify_all();
     };
-    const boost::function<void(const nav_msgs::PathConstPtr&)> on_path = [this](const auto& /*path*/) {
+    const boost::function<void(const nav_msgs::PathConstPtr&)> on_path = [this](const auto& path) {
       const std::lock_guard<std::mutex> lock(mutex_);
-      ++mapped_;
+      // One comes for every frame, and another for a keyframe that has been refined.
+      const auto mapped = to_map_.find(path->header.stamp);
+      if (mapped != to_map_.end()) to_map_.erase(mapped);
       changed_.notify_all();
     };
     subscribers_ = {parameters.subscribe<TrackedFrameMessage>("tracked_frame", 1000, on_frame),
@@ -88,10 +90,10 @@ class Robot {
       camera->send(i);
       std::unique_lock<std::mutex> lock(mutex_);
       ++sent_;
-      const auto idle = [this] { return tracked_.size() >= sent_ && mapped_ >= to_map_; };
+      const auto idle = [this] { return tracked_.size() >= sent_ && to_map_.empty(); };
       if (changed_.wait_for(lock, std::chrono::duration<double>(kPatience), idle)) continue;
       sent_ = tracked_.size();
-      mapped_ = to_map_;
+      to_map_.clear();
     }
   }
 
@@ -115,8 +117,9 @@ class Robot {
   std::vector<ros::Subscriber> subscribers_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::set<std::uint64_t> tracked_;                 // numbers of images
-  std::size_t sent_ = 0, to_map_ = 0, mapped_ = 0;  // images, and frames that go to the mapper
+  std::set<std::uint64_t> tracked_;  // numbers of images
+  std::multiset<ros::Time> to_map_;  // stamps of the frames that the mapper has not dealt with yet
+  std::size_t sent_ = 0;             // images
 };
 
 }  // namespace mba_vo
