@@ -120,8 +120,11 @@ class Run {
       if (!image.step.message.tracked) continue;
       note(*image.step.message.tracked, result);
       result.overlay = image.step.message.tracked->frame->overlay;
-      if (result.exposure.used && !result.exposure.varies) {
-        result.exposure_correction = learnt(image.step.exposure.has_value(), result.exposure.ratio);
+      if (result.exposure.used) {
+        // What varies is followed from image to image; no one number is to be told in its place.
+        result.exposure_correction = result.exposure.varies
+                                         ? exposure_correction_
+                                         : learnt(image.step.exposure.has_value(), result.exposure.ratio);
       }
     }
   }

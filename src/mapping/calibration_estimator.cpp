@@ -19,6 +19,7 @@ constexpr double kSignificantVignette = 7.8;
 // Five standard deviations: what is not told of a shutter is far from what was taken for it, or right.
 constexpr double kSignificantRowTime = 25.0;
 constexpr int kVignette = CalibrationCorrection::kVignetteDim;
+constexpr int kRow = CalibrationCorrection::kRowTime;
 
 CalibrationCorrection::Vector priorSigma() {
   CalibrationCorrection::Vector sigma;
@@ -67,7 +68,6 @@ bool CalibrationEstimator::correctVignette() {
 
 /// Of the row time alone, whatever the rest is: a map that is made without it goes wrong from the beginning.
 bool CalibrationEstimator::correctRowTime() {
-  constexpr int kRow = CalibrationCorrection::kRowTime;
   if (correction_.values(kRow) != 0.0) return false;
   const CalibrationSystem system = withPrior();
   const CalibrationCorrection::Vector covariances = system.H.ldlt().solve(CalibrationCorrection::Vector::Unit(kRow));
@@ -77,9 +77,16 @@ bool CalibrationEstimator::correctRowTime() {
   return true;
 }
 
-/// Of the geometry, and the rest of the vignette with it.
+/// Of the geometry, and the rest of the vignette with it. A shutter is what it was taken for until its rows alone say
+/// otherwise.
 bool CalibrationEstimator::correctGeometry() {
-  const CalibrationSystem system = withPrior();
+  CalibrationSystem system = withPrior();
+  if (correction_.values(kRow) == 0.0) {
+    system.H.row(kRow).setZero();
+    system.H.col(kRow).setZero();
+    system.H(kRow, kRow) = 1.0;
+    system.b(kRow) = 0.0;
+  }
   const CalibrationCorrection::Vector step = -system.H.ldlt().solve(system.b);
   if (!(step.dot(system.H * step) > kSignificant)) return false;
   correction_.values += kStep * step;

@@ -6,6 +6,13 @@
 #include "mba_vo/tracking/frame_measures.h"
 
 namespace mba_vo {
+namespace {
+
+// Of 1.25, 1.5, 2 and 3 on two walks and `shake`, checked on two more walks, `desk` and `kitchen`
+// (docs/decisions/2026-11-25-keyframes-by-error.md).
+constexpr double kMostKeyframeError = 1.5;  // times the error of the first frame
+
+}  // namespace
 
 TrackedFrameConstPtr KeyframeSelector::add(const TrackedFrameConstPtr& frame, const SE3& T_map_camera,
                                            const Reference& newest, bool busy) {
@@ -18,8 +25,16 @@ TrackedFrameConstPtr KeyframeSelector::add(const TrackedFrameConstPtr& frame, co
   ExposureTrajectory in_newest = frame->trajectory;
   in_newest.T_reference_mid = newest.T_map_reference.inverse() * T_map_camera;
   const FrameMeasures measures = measureFrame(newest, in_newest);
-  if (!candidate_ && policy_.takes(newest, measures, frame->brightness)) candidate_ = frame;
+  const bool explained_badly = isExplainedBadly(*frame, newest.id.keyframe_id);
+  if (!candidate_ && (explained_badly || policy_.takes(newest, measures, frame->brightness))) candidate_ = frame;
   return candidate_ && policy_.isUrgent(newest, measures, frame->brightness) ? takeNow() : nullptr;
+}
+
+/// What was tracked against an older keyframe says nothing of the newest.
+bool KeyframeSelector::isExplainedBadly(const TrackedFrame& frame, KeyframeId newest) {
+  if (frame.reference.keyframe_id != newest) return false;
+  if (!first_error_ || first_error_->keyframe != newest) first_error_ = {newest, frame.pixel_error};
+  return frame.pixel_error > kMostKeyframeError * first_error_->pixel_error;
 }
 
 TrackedFrameConstPtr KeyframeSelector::takeReady() {
@@ -45,6 +60,7 @@ void KeyframeSelector::reset() {
   motion_ = {};
   candidate_.reset();
   ready_ = false;
+  first_error_.reset();
 }
 
 }  // namespace mba_vo

@@ -18,6 +18,7 @@ constexpr double kLeastDiagonal = 1e-9;             // keeps states without any 
 // By which velocities by the frames around, 0.014-0.02 rad/s and 0.01 m/s off along recorded motions, move the first
 // and the last row [px]. On hand_desk poses were 1.3 times as far off with 0.04 or 1 instead.
 constexpr double kExpectedError = 0.1;
+constexpr double kItsHalfReadout = 0.013;  // [s] of those recordings: half of the time from the first row to the last
 
 // Errors of a velocity stay with its keyframe through all the windows that share it. On two recorded motions
 // (hand_desk, hand_office) with a rolling shutter and all told, steps that were taken for nothing had chi^2 of 13 to
@@ -171,8 +172,9 @@ void addVelocityPriors(const WindowState& state, const Layout& layout, double ha
   double inverse_depth = 0.0;
   for (const PointState& point : state.points) inverse_depth += point.inverse_depth;
   inverse_depth /= static_cast<double>(state.points.size());
-  Vector6 information = Vector6::Constant(
-      kResidualVariance * std::pow(state.keyframes.front().original->level(0).camera.fx / kExpectedError, 2.0));
+  const double error = kExpectedError * half_readout / kItsHalfReadout;  // [px]
+  Vector6 information = Vector6::Constant(kResidualVariance *
+                                          std::pow(state.keyframes.front().original->level(0).camera.fx / error, 2.0));
   information.head<3>() *= inverse_depth * inverse_depth;
   for (int k = 0; k < layout.keyframes; ++k) {
     const int v = layout.velocity(k);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "mba_vo/tracking/keyframe_policy.h"
 #include "mba_vo/tracking/reference.h"
@@ -9,8 +10,10 @@
 
 namespace mba_vo {
 
-/// Chooses the frames that become keyframes. One becomes a keyframe once the frame after it has been tracked: the
-/// motion on both sides then tells how much the keyframe itself is blurred, without looking at its blur.
+/// Chooses the frames that become keyframes: by how the view has changed, or because the newest keyframe no longer
+/// explains what is seen, its depths being too rough for the way that the camera has gone (as DSO does). One becomes a
+/// keyframe once the frame after it has been tracked: the motion on both sides then tells how much the keyframe itself
+/// is blurred, without looking at its blur.
 class KeyframeSelector {
  public:
   explicit KeyframeSelector(const KeyframePolicyConfig& config) : policy_(config) {}
@@ -35,7 +38,15 @@ class KeyframeSelector {
   void reset();
 
  private:
+  struct FirstError {
+    KeyframeId keyframe;
+    double pixel_error;  // of the first frame that was tracked against it [px]
+  };
+
+  bool isExplainedBadly(const TrackedFrame& frame, KeyframeId newest);
+
   KeyframePolicy policy_;
+  std::optional<FirstError> first_error_;
   FiniteDifferenceVelocity motion_;
   BodyMotion taken_motion_;
   TrackedFrameConstPtr candidate_;  // becomes a keyframe
