@@ -1,8 +1,24 @@
 #include "mba_vo/geometry/calibration_correction.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mba_vo {
+namespace {
+
+constexpr double kNoticeableShift = 0.5;     // [px]
+constexpr double kNoticeableLight = 0.02;    // of its logarithm
+constexpr double kNoticeableReadout = 1e-3;  // [s]
+
+}  // namespace
+
+bool isNoticeable(const CalibrationCorrection& correction, const PinholeCamera& camera) {
+  const Eigen::Vector2d shift = lensJacobian(camera, Eigen::Vector2d::Zero()) * correction.values;
+  const double in_corner = correction.vignette().sum();
+  const double halfway = correction.vignette().dot(CalibrationCorrection::Vignette(0.5, 0.25, 0.125));
+  return shift.norm() > kNoticeableShift || std::max(std::abs(in_corner), std::abs(halfway)) > kNoticeableLight ||
+         std::abs(correction[CalibrationCorrection::kRowTime]) * camera.height > kNoticeableReadout;
+}
 
 Eigen::Matrix<double, 2, CalibrationCorrection::kDim> lensJacobian(const PinholeCamera& camera,
                                                                    const Eigen::Vector2d& pixel) {

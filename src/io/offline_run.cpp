@@ -15,6 +15,7 @@ namespace mba_vo {
 namespace {
 
 constexpr double kSecondsPerMillisecond = 1e-3;
+constexpr double kNoticeableExposure = 0.1;  // of its logarithm
 
 /// Adds the time of its life to `seconds`.
 class Stopwatch {
@@ -46,6 +47,14 @@ std::unique_ptr<OdometryRun> makeRun(const OfflineOptions& options) {
   return std::make_unique<Odometry>(believing(options), options.reference_delay_frames, photometric);
 }
 
+PinholeCamera pinholeOf(const CameraCalibration& c) { return {c.width, c.height, c.fx, c.fy, c.cx, c.cy}; }
+
+bool differNoticeably(const ExposureCorrection& a, const ExposureCorrection& b) {
+  if (a.missing.has_value() != b.missing.has_value()) return true;
+  const auto differ = [](double x, double y) { return std::abs(std::log(x / y)) > kNoticeableExposure; };
+  return differ(a.factor, b.factor) || (a.missing && differ(*a.missing, *b.missing));
+}
+
 /// Takes image after image through the odometry and keeps account of what becomes of them.
 class Run {
  public:
@@ -54,6 +63,7 @@ class Run {
         exposure_(options.exposure),
         exposure_correction_(options.exposure_correction),
         unknown_exposure_(options.config.tracker.unknown_exposure),
+        camera_(pinholeOf(calibration)),
         odometry_(makeRun(options)) {
     odometry_->setCalibration(calibration, options.known);
   }
@@ -70,8 +80,10 @@ class Run {
   const Mapper& mapper() const { return odometry_->mapper(); }
   CalibrationCorrection correction() const { return mapper().correction().value_or(known_); }
   Machine machine() const { return odometry_->machine(); }
+  /// What would make another run a better one.
   bool hasLearnt(const OfflineResult& result) const {
-    return correction() != known_ || !(result.exposure_correction == exposure_correction_);
+    return isNoticeable(known_.lacks(correction()), camera_) ||
+           differNoticeably(result.exposure_correction, exposure_correction_);
   }
 
  private:
@@ -137,6 +149,7 @@ class Run {
   std::optional<double> exposure_;  // of all images [s]
   ExposureCorrection exposure_correction_;
   double unknown_exposure_;  // assumed at first [s]
+  PinholeCamera camera_;
   std::unique_ptr<OdometryRun> odometry_;
 };
 

@@ -34,6 +34,31 @@ TEST(CalibrationCorrection, LensJacobianIsThatOfItsFormula) {
   }
 }
 
+TEST(CalibrationCorrection, IsNoticeableFromHalfAPixelTwoPercentOfTheLightOrAMillisecondOn) {
+  const auto focal = [](double value) {
+    CalibrationCorrection correction;
+    correction.values(CalibrationCorrection::kFocal) = value;
+    return correction;
+  };
+  const auto row_time = [](double value) {
+    CalibrationCorrection correction;
+    correction.values(CalibrationCorrection::kRowTime) = value;
+    return correction;
+  };
+  EXPECT_FALSE(isNoticeable({}, kCamera));
+  const double corner = Eigen::Vector2d(kCamera.cx, kCamera.cy).norm();  // [px]
+  for (const double sign : {-1.0, 1.0}) {
+    EXPECT_FALSE(isNoticeable(focal(sign * 0.45 / corner), kCamera));
+    EXPECT_TRUE(isNoticeable(focal(sign * 0.55 / corner), kCamera));
+    EXPECT_FALSE(isNoticeable(vignette(sign * 0.018, 0.0, 0.0), kCamera));
+    EXPECT_TRUE(isNoticeable(vignette(sign * 0.022, 0.0, 0.0), kCamera));
+    EXPECT_TRUE(isNoticeable(vignette(sign * 0.2, -sign * 0.2, 0.0), kCamera))
+        << "the corner is right, the rest is not";
+    EXPECT_FALSE(isNoticeable(row_time(sign * 9e-4 / kCamera.height), kCamera));
+    EXPECT_TRUE(isNoticeable(row_time(sign * 11e-4 / kCamera.height), kCamera));
+  }
+}
+
 TEST(CalibrationCorrection, VignetteIsNoneInTheMiddleAndAllOfItInTheCorner) {
   EXPECT_EQ(vignetteJacobian(kCamera, {kCamera.cx, kCamera.cy}).norm(), 0.0);
   const CalibrationCorrection::Vignette corner =

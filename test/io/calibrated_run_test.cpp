@@ -14,38 +14,52 @@ namespace {
 constexpr double kExposure = 0.02;  // [s]
 constexpr int kFrames = 60;
 
+SimulationConfig simulation() {
+  SimulationConfig config = test::sequenceConfig(kExposure);
+  config.trajectory_seed = 3;
+  return config;
+}
+
 const test::RenderedSequence& sequence() {
-  static const test::RenderedSequence sequence = [] {
-    SimulationConfig config = test::sequenceConfig(kExposure);
-    config.trajectory_seed = 3;
-    return test::renderFrames(config, 0, kFrames);
-  }();
+  static const test::RenderedSequence sequence = test::renderFrames(simulation(), 0, kFrames);
   return sequence;
+}
+
+/// Exposures from 6 to 24 ms and back within 2 s, in equally bright images.
+test::RenderedSequence varyingSequence() {
+  SimulationConfig config = simulation();
+  config.exposure_min = 0.006;
+  config.exposure_max = 0.024;
+  config.exposure_period = 2.0;
+  config.auto_gain = true;
+  return test::renderFrames(config, 0, 2 * kFrames);
 }
 
 /// Plays the rendered images, telling `exposure`.
 class RenderedReader : public SequenceReader {
  public:
-  explicit RenderedReader(std::optional<double> exposure) : exposure_(exposure) {}
-  CameraCalibration calibration() const override { return sequence().calibration; }
-  std::size_t size() const override { return sequence().frames.size(); }
+  RenderedReader(const test::RenderedSequence& sequence, std::optional<double> exposure)
+      : sequence_(sequence), exposure_(exposure) {}
+  CameraCalibration calibration() const override { return sequence_.calibration; }
+  std::size_t size() const override { return sequence_.frames.size(); }
   std::optional<CameraImage> next() override {
     if (next_ == size()) return std::nullopt;
-    const SimulatedFrame& f = sequence().frames[next_++];
+    const SimulatedFrame& f = sequence_.frames[next_++];
     return CameraImage{f.id, f.mid_exposure_ns, f.mid_exposure_ns, exposure_, f.blurred, "", {}};
   }
 
  private:
+  const test::RenderedSequence& sequence_;
   std::optional<double> exposure_;
   std::size_t next_ = 0;
 };
 
-OfflineResult run(std::optional<double> told, int& announced) {
+OfflineResult run(const test::RenderedSequence& sequence, std::optional<double> told, int& announced) {
   OfflineOptions options;
   options.config.mapper.deterministic = true;
   finalize(options.config);
   CalibratedRun run;
-  run.open = [&] { return std::make_unique<RenderedReader>(told); };
+  run.open = [&] { return std::make_unique<RenderedReader>(sequence, told); };
   run.progress = [](std::size_t) {};
   run.onRestart = [&](const OfflineResult&) { ++announced; };
   return runCalibrated(run, options);
@@ -53,7 +67,7 @@ OfflineResult run(std::optional<double> told, int& announced) {
 
 TEST(CalibratedRun, ExposuresThatDidNotComeAreLearntAndTheRunIsBegunAnewWithThem) {
   int announced = 0;
-  const OfflineResult result = run(std::nullopt, announced);
+  const OfflineResult result = run(sequence(), std::nullopt, announced);
   EXPECT_EQ(result.restarts, 1);
   EXPECT_EQ(announced, 1);
   ASSERT_TRUE(result.exposure_correction.missing);
@@ -62,9 +76,17 @@ TEST(CalibratedRun, ExposuresThatDidNotComeAreLearntAndTheRunIsBegunAnewWithThem
   EXPECT_EQ(result.log.frames().front().exposure, result.exposure_correction.missing) << "from the first image on";
 }
 
+TEST(CalibratedRun, NoOneExposureIsLearntWhereTheyVary) {
+  int announced = 0;
+  const OfflineResult result = run(varyingSequence(), std::nullopt, announced);
+  EXPECT_TRUE(result.exposure.varies);
+  EXPECT_FALSE(result.exposure_correction.missing);
+  EXPECT_EQ(result.restarts, 0);
+}
+
 TEST(CalibratedRun, ExposuresThatAreWrongAreCorrectedFromTheBeginning) {
   int announced = 0;
-  const OfflineResult result = run(0.5 * kExposure, announced);
+  const OfflineResult result = run(sequence(), 0.5 * kExposure, announced);
   EXPECT_EQ(result.restarts, 1);
   EXPECT_NEAR(result.exposure_correction.factor, 2.0, 0.2);
   EXPECT_FALSE(result.exposure_correction.missing);
@@ -73,7 +95,7 @@ TEST(CalibratedRun, ExposuresThatAreWrongAreCorrectedFromTheBeginning) {
 
 TEST(CalibratedRun, WhereNothingIsToBeLearntItRunsOnce) {
   int announced = 0;
-  const OfflineResult result = run(kExposure, announced);
+  const OfflineResult result = run(sequence(), kExposure, announced);
   EXPECT_EQ(result.restarts, 0);
   EXPECT_EQ(announced, 0);
   EXPECT_EQ(result.exposure_correction, ExposureCorrection());

@@ -38,13 +38,24 @@ TEST(CalibrationEstimator, DoesNotMoveForWhatIsNotSignificant) {
 /// A fiftieth of the windows' information counts, so that each adds 1 to chi^2 here.
 TEST(CalibrationEstimator, StepsAsSoonAsTheErrorIsSignificant) {
   Vector truth = Vector::Zero();
-  truth(CalibrationCorrection::kRowTime) = 5e-6;
+  truth(CalibrationCorrection::kFocal) = 5e-3;
   CalibrationEstimator estimator;
   int windows = 1;
   while (windows < 100 && !estimator.add(windowOf(truth, estimator.correction(), 2.0))) ++windows;
   EXPECT_GE(windows, 12);
   EXPECT_LE(windows, 15) << "the prior takes a little away";
-  EXPECT_GT(estimator.correction()[CalibrationCorrection::kRowTime], 4e-6);
+  EXPECT_GT(estimator.correction()[CalibrationCorrection::kFocal], 4e-3);
+}
+
+/// One that reads its rows in next to no time is another kind of camera, with motions of its rows to be found.
+TEST(CalibrationEstimator, AGlobalShutterStaysOneWhenTheRestIsCorrected) {
+  Vector truth = Vector::Zero();
+  truth(CalibrationCorrection::kFocal) = 0.02;
+  truth(CalibrationCorrection::kRowTime) = 1e-7;
+  CalibrationEstimator estimator;
+  for (int i = 0; i < 20; ++i) estimator.add(windowOf(truth, estimator.correction(), 1e3));
+  EXPECT_NEAR(estimator.correction()[CalibrationCorrection::kFocal], 0.02, 1e-3);
+  EXPECT_EQ(estimator.correction()[CalibrationCorrection::kRowTime], 0.0);
 }
 
 TEST(CalibrationEstimator, HasSettledWhenWindowsLeaveItAsItIs) {

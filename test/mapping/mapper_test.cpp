@@ -126,6 +126,29 @@ bool turnsIntoKeyframe(Mapper& mapper, const Initialised& initial, bool provisio
   return keyframe;
 }
 
+/// Frames at the hint's place, whose images fit the newest keyframe with these errors [px]; the number of those after
+/// which a keyframe was inserted, 0 if none was.
+std::size_t framesUntilKeyframe(const std::vector<double>& pixel_errors) {
+  Mapper mapper(config());
+  const Initialised initial = initialise(mapper);
+  const Reference& reference = *initial.output.reference;
+  for (std::size_t i = 0; i < pixel_errors.size(); ++i) {
+    const FrameConstPtr& next = frames().at(static_cast<std::size_t>(initial.frames_used) + i);
+    const auto tracked =
+        report(next, TrackingStatus::kTracking, reference.id, reference.hint->trajectory.T_reference_mid);
+    auto copy = std::make_shared<TrackedFrame>(*tracked);
+    copy->pixel_error = pixel_errors[i];
+    if (mapper.process(copy).inserted_blur_px) return i + 1;
+  }
+  return 0;
+}
+
+TEST(Mapper, AKeyframeThatExplainsTheImagesWorseAndWorseIsFollowedByTheNext) {
+  EXPECT_EQ(framesUntilKeyframe({0.2, 0.2, 0.25, 0.29, 0.29, 0.28}), 0U);
+  EXPECT_EQ(framesUntilKeyframe({0.2, 0.2, 0.31, 0.31}), 4U) << "with the frame after";
+  EXPECT_EQ(framesUntilKeyframe({0.4, 0.4, 0.31, 0.31}), 0U) << "by its own first error";
+}
+
 TEST(Mapper, AProvisionalFrameIsOnlyForTheTrajectory) {
   Mapper mapper(config());
   const Initialised initial = initialise(mapper);

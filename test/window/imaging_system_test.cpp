@@ -47,9 +47,9 @@ struct RollingWindow {
   WindowState state;
   std::vector<Vector6> truth;  // the velocities
 
-  explicit RollingWindow(Random& random) {
+  explicit RollingWindow(Random& random, double row_time = kRowTime) {
     PinholeCamera camera = smallCamera();
-    camera.row_time = kRowTime;
+    camera.row_time = row_time;
     const PlanarScene scene = PlanarScene::corner();
     for (int i = 0; i < kKeyframes; ++i) {
       Vector6 place;
@@ -125,6 +125,20 @@ TEST(ImagingSystem, VelocitiesOfARollingShutterAreFound) {
   const double before = window.error();
   for (int i = 0; i < 2; ++i) window.step();
   EXPECT_LT(window.error(), 0.45 * before);
+}
+
+/// Rows say nothing of velocities that do not move them: what is expected by the frames around is all there is.
+TEST(ImagingSystem, VelocitiesStayWhereRowsAreReadAllButAtOnce) {
+  for (const double row_time : {1e-8, -1e-7}) {
+    Random random(8);
+    RollingWindow window(random, row_time);
+    for (PointState& point : window.state.points) point.inverse_depth *= 1.0 + random.uniform(-0.005, 0.005);
+    window.step();
+    for (int i = 0; i < RollingWindow::kKeyframes; ++i) {
+      const Vector6 step = window.state.keyframe(i).velocity - window.truth[static_cast<std::size_t>(i)];
+      EXPECT_LT(step.norm(), 0.01) << "keyframe " << i << ", rows every " << row_time << " s";
+    }
+  }
 }
 
 TEST(ImagingSystem, RightVelocitiesStay) {

@@ -45,6 +45,10 @@ struct CalibrationCorrection {
 Eigen::Matrix<double, 2, CalibrationCorrection::kDim> lensJacobian(const PinholeCamera& camera,
                                                                    const Eigen::Vector2d& pixel);
 
+/// Whether images that are made with and without it differ by more than half a pixel in a corner, 2 % of the light or a
+/// millisecond from the first row to the last. Right calibrations are corrected by less, now and then.
+bool isNoticeable(const CalibrationCorrection& correction, const PinholeCamera& camera);
+
 /// d log of the light that a pixel gets / d vignette.
 CalibrationCorrection::Vignette vignetteJacobian(const PinholeCamera& camera, const Eigen::Vector2d& pixel);
 
