@@ -144,9 +144,9 @@ std::size_t framesUntilKeyframe(const std::vector<double>& pixel_errors) {
 }
 
 TEST(Mapper, AKeyframeThatExplainsTheImagesWorseAndWorseIsFollowedByTheNext) {
-  EXPECT_EQ(framesUntilKeyframe({0.2, 0.2, 0.25, 0.29, 0.29, 0.28}), 0U);
-  EXPECT_EQ(framesUntilKeyframe({0.2, 0.2, 0.31, 0.31}), 4U) << "with the frame after";
-  EXPECT_EQ(framesUntilKeyframe({0.4, 0.4, 0.31, 0.31}), 0U) << "by its own first error";
+  EXPECT_EQ(framesUntilKeyframe({0.2, 0.2, 0.35, 0.39, 0.39, 0.38}), 0U);
+  EXPECT_EQ(framesUntilKeyframe({0.2, 0.2, 0.41, 0.41}), 4U) << "with the frame after";
+  EXPECT_EQ(framesUntilKeyframe({0.4, 0.4, 0.41, 0.41}), 0U) << "by its own first error";
 }
 
 TEST(Mapper, AProvisionalFrameIsOnlyForTheTrajectory) {
