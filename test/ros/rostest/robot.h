@@ -59,7 +59,11 @@ class Robot {
     odometry = std::make_unique<LiveOdometry>("/" + name, "/" + name + "_camera", manager);
     const boost::function<void(const TrackedFrameMessageConstPtr&)> on_frame = [this](const auto& message) {
       const std::lock_guard<std::mutex> lock(mutex_);
-      tracked_.insert(message->message.tracked->frame->sequence);
+      const TrackedFrame& frame = *message->message.tracked;
+      tracked_.insert(frame.frame->sequence);
+      const bool waits = message->message.has_reference && frame.status == TrackingStatus::kInitializing;
+      if (waits) waiting_.insert(frame.frame->sequence);
+      if (!waits) waiting_.erase(frame.frame->sequence);
       to_map_.insert(message->summary.header.stamp);
       changed_.notify_all();
     };
@@ -90,9 +94,10 @@ class Robot {
       camera->send(i);
       std::unique_lock<std::mutex> lock(mutex_);
       ++sent_;
-      const auto idle = [this] { return tracked_.size() >= sent_ && to_map_.empty(); };
+      const auto idle = [this] { return tracked_.size() >= sent_ && waiting_.empty() && to_map_.empty(); };
       if (changed_.wait_for(lock, std::chrono::duration<double>(kPatience), idle)) continue;
       sent_ = tracked_.size();
+      waiting_.clear();
       to_map_.clear();
     }
   }
@@ -118,6 +123,7 @@ class Robot {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::set<std::uint64_t> tracked_;  // numbers of images
+  std::set<std::uint64_t> waiting_;  // likewise, of those that the tracker has still to catch up with
   std::multiset<ros::Time> to_map_;  // stamps of the frames that the mapper has not dealt with yet
   std::size_t sent_ = 0;             // images
 };
