@@ -144,8 +144,7 @@ std::size_t framesUntilKeyframe(const std::vector<double>& pixel_errors) {
 }
 
 TEST(Mapper, AKeyframeThatExplainsTheImagesWorseAndWorseIsFollowedByTheNext) {
-  EXPECT_EQ(framesUntilKeyframe({0.2, 0.2, 0.35, 0.39, 0.39, 0.38}), 0U);
-  EXPECT_EQ(framesUntilKeyframe({0.2, 0.2, 0.41, 0.41}), 4U) << "with the frame after";
+  EXPECT_EQ(framesUntilKeyframe({0.2, 0.2, 0.35, 0.39, 0.39, 0.41, 0.2}), 7U) << "with the frame after";
   EXPECT_EQ(framesUntilKeyframe({0.4, 0.4, 0.41, 0.41}), 0U) << "by its own first error";
 }
 
