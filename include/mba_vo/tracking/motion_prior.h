@@ -6,9 +6,11 @@
 
 namespace mba_vo {
 
+/// Twice what hands and heads do: stricter for a turn than for a way, the turn is taken for a way
+/// (docs/decisions/2026-11-25-motion-prior.md).
 struct MotionPriorConfig {
-  double angular_acceleration = 5.0;  // standard deviation [rad/s^2]
-  double linear_acceleration = 2.5;   // standard deviation [median depths/s^2]
+  double angular_acceleration = 10.0;  // standard deviation [rad/s^2]
+  double linear_acceleration = 5.0;    // standard deviation [median depths/s^2]
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
