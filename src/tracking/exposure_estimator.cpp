@@ -138,7 +138,9 @@ std::optional<ExposureSample> ExposureEstimator::probeMiddle(const Reference& re
   std::optional<ExposureSample> sample =
       probeExposure(reference, tracked, velocity, exposure, kLongest * interval, config_);
   if (!sample) return std::nullopt;
-  const double blur = path * sample->exposure / interval;  // [px]
+  // What is wrong in a short blur makes it seem long: an exposure that came is doubted by the blur it would make.
+  const double least = middle.known ? std::min(middle.given, sample->exposure) : sample->exposure;
+  const double blur = path * least / interval;  // [px]
   sample->log_sigma = std::hypot(sample->log_sigma, doubt / path, kBlurSigma / blur);
   sample->exposure = std::min(sample->exposure, interval);  // no camera exposes longer than until the next image
   return sample;
