@@ -24,12 +24,15 @@ constexpr double kAgreement = 0.2;        // of log ratio, between the last samp
 constexpr double kWellKnownSigma = 0.05;  // of log ratio
 constexpr double kLongest = 1.5;          // exposure that is tried, in intervals; their noise is not to be cut off
 constexpr double kBlurSigma = 0.3;        // [px] what path and patches have wrong
+constexpr double kLikeReference = 0.8;    // blur of the reference, as a share of the frame's along it, that is too much
 constexpr int kLeastUnknownSamples = 1;   // from which on they are better than the assumed exposure
 constexpr double kWrong = 0.2;            // |log ratio| from which on exposures that came are not believed
 constexpr double kRightAgain = 0.1;       // the same, until which they are not
 constexpr double kSignificance = 4.0;     // standard deviations
 constexpr double kCommon = 2.0;           // the same of one sample, for what all have wrong alike does not average out
 constexpr double kMedianSigma = 1.2533 * 1.4826;  // of a median, over median deviation / sqrt(samples)
+
+double square(double x) { return x * x; }
 
 double seconds(const TrackedFrame& from, const TrackedFrame& to) {
   return 1e-9 * static_cast<double>(to.frame->mid_exposure_ns - from.frame->mid_exposure_ns);
@@ -131,17 +134,24 @@ std::optional<ExposureSample> ExposureEstimator::probeMiddle(const Reference& re
   const double path = pathOf(velocity);
   const double doubt = pathOf(velocity - rough);
   if (path < kLeastMotion || doubt > kSmooth * path) return std::nullopt;
+  const Vector6 reference_velocity = blurVelocity(reference, *middle.tracked);
+  const double like_reference =
+      (square(pathOf(velocity + reference_velocity)) - square(pathOf(velocity - reference_velocity))) /
+      (4.0 * square(path));
+  if (std::abs(like_reference) > kLikeReference) return std::nullopt;
   TrackedFrame tracked = *middle.tracked;
   tracked.trajectory.T_reference_mid = middle.T_reference_mid;
   left_out_ = 0;
-  const double exposure = estimate(middle.known, middle.tracked->frame->mid_exposure_ns).ratio * middle.given;
-  std::optional<ExposureSample> sample =
-      probeExposure(reference, tracked, velocity, exposure, kLongest * interval, config_);
+  const ExposureEstimate expected = estimate(middle.known, middle.tracked->frame->mid_exposure_ns);
+  std::optional<ExposureSample> sample = probeExposure(
+      reference, tracked, velocity, {expected.ratio * middle.given, expected.log_sigma}, kLongest * interval, config_);
   if (!sample) return std::nullopt;
   // What is wrong in a short blur makes it seem long: an exposure that came is doubted by the blur it would make.
   const double least = middle.known ? std::min(middle.given, sample->exposure) : sample->exposure;
   const double blur = path * least / interval;  // [px]
-  sample->log_sigma = std::hypot(sample->log_sigma, doubt / path, kBlurSigma / blur);
+  // What shows is the difference of the squares of both blurs.
+  const double shown = 1.0 - square(like_reference);
+  sample->log_sigma = std::hypot(sample->log_sigma, doubt / path / shown, kBlurSigma / blur / shown);
   sample->exposure = std::min(sample->exposure, interval);  // no camera exposes longer than until the next image
   return sample;
 }

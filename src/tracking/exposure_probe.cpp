@@ -18,6 +18,9 @@ constexpr int kIterations = 3;
 constexpr double kStep = 1.25;           // between exposures that are tried
 constexpr double kFineStep = 0.12;       // relative
 constexpr int kMostSteps = 7;            // away from the first one
+constexpr double kLittleKnown = 0.15;    // log sigma of the expected exposure from which on all are tried
+constexpr double kCoarseStep = 2.0;      // between them: the valley of the best one is as wide
+constexpr double kShortest = 1e-3;       // [s] of them
 constexpr double kFixed = 1e12;          // information that leaves no freedom
 constexpr double kReferenceShare = 0.5;  // of the variance of the residuals
 constexpr double kLargestSigma = 0.7;    // of log exposure; a sample that tells less is none
@@ -50,10 +53,7 @@ class Probe {
   /// Pose and brightness are free, the motion within the exposure is not.
   Trial tryOut(double exposure) {
     Reference reference = reference_;
-    // An image whose exposure was not known was taken for sharp.
-    const bool known = tracked_.frame->exposure && !reference_.image_xi.isZero(0.0);
-    reference.image_xi = known ? Vector6(exposure / *tracked_.frame->exposure * reference_.image_xi)
-                               : exposure * reference_.motion.velocity;
+    reference.image_xi = exposure * blurVelocity(reference_, tracked_);
     AlignmentOptions options = options_;
     options.exposure = exposure;
     AlignmentPrior prior;
@@ -105,6 +105,16 @@ std::optional<Trials> bracket(Probe& probe, double first, double longest) {
   return std::nullopt;
 }
 
+/// The best one of exposures all over the range.
+double roughlyBest(Probe& probe, double expected, double longest) {
+  Trial best = probe.tryOut(expected);
+  for (double exposure = longest; exposure > kShortest; exposure /= kCoarseStep) {
+    const Trial trial = probe.tryOut(exposure);
+    if (trial.cost < best.cost) best = trial;
+  }
+  return best.exposure;
+}
+
 /// What the reference has wrong, its depths above all, shows the less the more blurred the prediction is: without
 /// compensation too long an exposure would look best. As in the regression of a line with errors in both variables, the
 /// cost is divided by the variance that is to be expected; part of it comes from the reference.
@@ -132,11 +142,19 @@ Vertex vertexOf(const Trials& trials) {
 
 }  // namespace
 
+Vector6 blurVelocity(const Reference& reference, const TrackedFrame& tracked) {
+  // An image whose exposure was not known was taken for sharp.
+  const bool known = tracked.frame->exposure && !reference.image_xi.isZero(0.0);
+  return known ? Vector6(reference.image_xi / *tracked.frame->exposure) : reference.motion.velocity;
+}
+
 std::optional<ExposureSample> probeExposure(const Reference& reference, const TrackedFrame& tracked,
-                                            const Vector6& velocity, double exposure, double longest,
+                                            const Vector6& velocity, const ExposureSample& expected, double longest,
                                             const TrackerConfig& config) {
   Probe probe(reference, tracked, velocity, config);
-  const auto trials = bracket(probe, exposure, longest);
+  const bool little_known = !(expected.log_sigma < kLittleKnown);
+  const double first = little_known ? roughlyBest(probe, expected.exposure, longest) : expected.exposure;
+  const auto trials = bracket(probe, first, longest);
   if (!trials) return std::nullopt;
   // The cost grows less than quadratically: once more, as far to either side.
   const double centre = vertexOf(*trials).exposure;

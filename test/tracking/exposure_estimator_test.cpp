@@ -1,6 +1,7 @@
 #include "mba_vo/tracking/exposure_estimator.h"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -14,6 +15,8 @@ constexpr double kExposure = 0.02;  // [s]
 constexpr double kInterval = 0.03;  // [s]
 constexpr int kFrames = 16;
 constexpr std::int64_t kEnd_ns = 450000000;  // of the last frame
+constexpr double kRate = 9.0;                // [rad/s]
+const Vector6 kSwing = (Vector6() << 0.05, 0, 0, 0.04, 0.12, 0).finished();
 const SE3 kT_other_first = SE3::exp((Vector6() << 0.01, 0.02, 0, 0.01, 0, 0.02).finished());
 
 /// A camera that swings to and fro before the room, seen from two references in turn, with the true poses. The exposure
@@ -29,10 +32,7 @@ struct Swing {
         test::roomSimulator().renderExposure([&](double) { return T_world_other; }, 0.0, 0.0, 1);
     references = {test::makeReference(view, test::toFloat(view.sharp)),
                   test::makeReference(other, test::toFloat(other.sharp))};
-    const auto pose = [&](double t) {
-      const Vector6 swing = (Vector6() << 0.05, 0, 0, 0.04, 0.12, 0).finished();
-      return view.T_world_mid * SE3::exp(std::sin(9.0 * t) * swing);
-    };
+    const auto pose = [&](double t) { return view.T_world_mid * SE3::exp(std::sin(kRate * t) * kSwing); };
     for (int i = 0; i < kFrames; ++i) {
       const SimulatedFrame rendered = test::roomSimulator().renderExposure(
           pose, kInterval * i, kExposure * std::pow(growth, i / (kFrames - 1.0)), static_cast<unsigned>(i));
@@ -68,6 +68,13 @@ TEST(ExposureEstimator, FindsAnUnknownExposure) {
   EXPECT_LT(estimator.estimate(false, kEnd_ns).log_sigma, 0.1);
 }
 
+TEST(ExposureEstimator, FindsAnUnknownExposureThatIsFarFromTheAssumedOne) {
+  TrackerConfig config;
+  config.unknown_exposure = 0.1 * kExposure;
+  const ExposureEstimator estimator = estimate(std::nullopt, config);
+  EXPECT_NEAR(estimator.exposureFor(std::nullopt, kEnd_ns).value_or(0.0), kExposure, 0.06 * kExposure);
+}
+
 TEST(ExposureEstimator, FollowsAnUnknownExposureThatChanges) {
   const ExposureEstimator estimator = estimate(std::nullopt, {}, Swing(0.5));
   const auto found = estimator.exposureFor(std::nullopt, kEnd_ns);
@@ -91,6 +98,19 @@ TEST(ExposureEstimator, LeavesRightExposuresAsTheyAre) {
   EXPECT_NEAR(estimator.estimate(true, kEnd_ns).ratio, 1.0, 0.06);
   EXPECT_EQ(estimator.exposureFor(kExposure, kEnd_ns), kExposure);
   EXPECT_EQ(estimator.exposureFor(0.0, kEnd_ns), 0.0);
+}
+
+TEST(ExposureEstimator, LearnsNothingFromReferencesThatAreBlurredLikeTheFrames) {
+  Swing swing;
+  ExposureEstimator estimator{TrackerConfig()};
+  for (std::size_t i = 0; i < swing.frames.size(); ++i) {
+    Reference reference = *swing.references[0];
+    reference.image_xi = kExposure * kRate * std::cos(kRate * kInterval * (static_cast<double>(i) - 2.0)) * kSwing;
+    swing.frames[i].trajectory.T_reference_mid =
+        SE3::exp(std::sin(kRate * kInterval * static_cast<double>(i)) * kSwing);
+    estimator.add(std::make_shared<Reference>(reference), std::make_shared<TrackedFrame>(swing.frames[i]), kExposure);
+  }
+  EXPECT_EQ(estimator.estimate(true, kEnd_ns).log_sigma, std::numeric_limits<double>::infinity());
 }
 
 TEST(ExposureEstimator, KeepsStillWhenToldTo) {

@@ -10,8 +10,9 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kExposure = 0.02;  // [s]
-constexpr double kLongest = 0.05;   // [s]
+constexpr double kExposure = 0.02;   // [s]
+constexpr double kLongest = 0.05;    // [s]
+constexpr double kWellKnown = 0.05;  // log sigma
 
 const SimulatedFrame& referenceView() {
   static const SimulatedFrame view = test::roomSimulator().render(40);
@@ -43,11 +44,21 @@ TEST(ExposureProbe, FindsTheExposureFromWhateverItIsTakenFor) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     const Case c = makeCase(seed, 3.0);
     for (const double factor : {0.5, 1.0, 2.0}) {
-      const auto sample = probeExposure(*sharpReference(), c.tracked, c.velocity, factor * kExposure, kLongest, {});
+      const auto sample =
+          probeExposure(*sharpReference(), c.tracked, c.velocity, {factor * kExposure, kWellKnown}, kLongest, {});
       ASSERT_TRUE(sample) << "seed " << seed << " from " << factor;
       EXPECT_NEAR(sample->exposure, kExposure, 0.04 * kExposure) << "seed " << seed << " from " << factor;
       EXPECT_LT(sample->log_sigma, 0.05);
     }
+  }
+}
+
+TEST(ExposureProbe, LooksFurtherWhereLittleIsKnown) {
+  const Case c = makeCase(1, 3.0);
+  for (const double expected : {0.001, 0.045}) {
+    const auto sample = probeExposure(*sharpReference(), c.tracked, c.velocity, {expected, 1.0}, kLongest, {});
+    ASSERT_TRUE(sample) << "from " << expected;
+    EXPECT_NEAR(sample->exposure, kExposure, 0.04 * kExposure) << "from " << expected;
   }
 }
 
@@ -63,7 +74,7 @@ TEST(ExposureProbe, TakesAReferenceWithBlurAsExposedAsLong) {
     reference->image_xi = believed * velocity;
     TrackedFrame tracked = c.tracked;
     tracked.frame = test::withExposure(*c.tracked.frame, believed > 0.0 ? std::optional(believed) : std::nullopt);
-    const auto sample = probeExposure(*reference, tracked, c.velocity, 0.5 * kExposure, kLongest, {});
+    const auto sample = probeExposure(*reference, tracked, c.velocity, {0.5 * kExposure, kWellKnown}, kLongest, {});
     ASSERT_TRUE(sample);
     EXPECT_NEAR(sample->exposure, kExposure, 0.05 * kExposure);
   }
@@ -71,7 +82,7 @@ TEST(ExposureProbe, TakesAReferenceWithBlurAsExposedAsLong) {
 
 TEST(ExposureProbe, SaysNothingWhereNothingIsBlurred) {
   const Case c = makeCase(1, 0.01);
-  EXPECT_FALSE(probeExposure(*sharpReference(), c.tracked, c.velocity, kExposure, kLongest, {}));
+  EXPECT_FALSE(probeExposure(*sharpReference(), c.tracked, c.velocity, {kExposure, kWellKnown}, kLongest, {}));
 }
 
 }  // namespace
