@@ -22,9 +22,10 @@ constexpr double kClearWinner = 1.15;         // cost of the best different solu
 constexpr double kMinPositive = 0.9;          // share of the points that must lie in front of the reference
 constexpr double kValidationTolerance = 1.5;  // [px]
 constexpr double kMinExplained = 0.7;         // share of points of a held-out view, and of the held-out views
-// Rendered rolling shutters of 20 and 26 ms had cost ratios of 0.1 to 0.68, global ones more than 0.98. A lens that
-// is 1.5 % and 4 px wrong looked like a readout of 2 to 5 ms, with ratios from 0.77 on.
-constexpr double kRollingShutter = 0.8;  // cost with a row time over that without
+// Rendered rolling shutters of 20 and 26 ms had cost ratios of 0.04 to 0.68, a real one 0.59 to 0.88, global ones more
+// than 0.96 with readouts under 2 ms. A lens that is 1.5 % and 4 px wrong looked like a readout of 2 to 5 ms, with
+// ratios from 0.77 on.
+constexpr double kRollingShutter = 0.9;  // cost with a row time over that without
 constexpr double kLeastReadout = 6e-3;   // [s] of all rows
 
 std::string format(const char* text, double a, double b) {
