@@ -25,7 +25,7 @@ struct PatchPattern {
   static PatchPattern spread8();         // the sparse 8-pixel pattern of DSO (paper, Fig. 4)
 };
 
-/// Re-blurred patch (Eq. 7 with mid-point samples) and the moments of the image gradient along the path. With them the
+/// Re-blurred patch (Eq. 6 with mid-point samples) and the moments of the image gradient along the path. With them the
 /// derivative of pixel k is: d B / d delta = [gx gy] J_pose[0] + [ugx ugy] J_pose[1], and likewise for xi and depth.
 /// Entries whose path leaves the reference or touches an invalid pixel are NaN in `value`.
 struct ReblurredPatch {

@@ -33,7 +33,7 @@ struct ExposedPoses {
 };
 
 /// Predicts search patches of points of one host for one frame. If the image moves while the shutter is open, the
-/// host's pixels are averaged along the path on which the frame's pixel travels over the host (Eq. 7 of the paper); the
+/// host's pixels are averaged along the path on which the frame's pixel travels over the host (Eq. 6 of the paper); the
 /// path depends on the depth that is assumed.
 class SearchPatchMaker {
  public:

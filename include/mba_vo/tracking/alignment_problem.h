@@ -53,7 +53,7 @@ struct AlignmentStatistics {
   double weighted_rms = 0.0;     // of all valid pixels, Huber-weighted [grey levels]
 };
 
-/// Re-blurred patches of the reference against patches of the frame on one pyramid level (Eq. 8 of the paper): the
+/// Re-blurred patches of the reference against patches of the frame on one pyramid level (Eq. 7 of the paper): the
 /// problem that `minimize` solves. States: (delta of T_mid, epsilon of xi, a, b).
 class AlignmentProblem {
  public:

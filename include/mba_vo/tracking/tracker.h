@@ -62,7 +62,7 @@ struct TrackingGuess {
   bool is_close = false;              // to within a few pixels: no other starts, only the finer levels
 };
 
-/// Blur-aware direct image alignment of one frame to one reference (Eq. 8 of the paper), coarse to fine. Stateless.
+/// Blur-aware direct image alignment of one frame to one reference (Eq. 7 of the paper), coarse to fine. Stateless.
 class Tracker {
  public:
   explicit Tracker(const TrackerConfig& config) : config_(config) {}
