@@ -17,7 +17,7 @@ struct LatentGrid {
 };
 
 /// The linear map A from a sharp image to the blurred one laid over it: (A L)(x) is the mean of L along the path (Eq.
-/// 7) that takes the blurred image's pixel through x of the sharp one at mid-exposure. For a keyframe and its sharp
+/// 6) that takes the blurred image's pixel through x of the sharp one at mid-exposure. For a keyframe and its sharp
 /// image the two pixels are the same; a neighbouring frame's image is laid over the keyframe by `overlay`. The paths
 /// are those of `blur/`, made once per tile of 8x8 pixels: each tile becomes a list of weighted taps that all its
 /// pixels share. So both A and its transpose are nothing but sums of shifted rows, some ten times as fast as
