@@ -14,7 +14,6 @@ namespace {
 
 constexpr int kImagesPerFrame = 3;         // tracked per added frame while catching up
 constexpr double kLongestGap = 0.5;        // [s] between frames that are used together
-constexpr int kAttemptEvery = 3;           // frames
 constexpr double kMinSpan = 0.3;           // [s] of frames before the first attempt
 constexpr double kMaxReferenceBlur = 8.0;  // [px] for which a sharper frame is waited for ...
 constexpr double kMaxReferenceWait = 1.0;  // ... this long [s]
@@ -90,9 +89,7 @@ std::unique_ptr<InitialMap> makeMap(const InitializerBuffer& buffer, const std::
 class Initializer::Impl {
  public:
   Impl(const InitializerConfig& config, const DepthSensorConfig& sensor, bool find_row_time)
-      : config_(config),
-        buffer_(config.buffer_seconds, config.max_points),
-        metric_(config.depth_wait, config.max_points, sensor) {
+      : buffer_(config.buffer_seconds, config.max_points), metric_(config.depth_wait, config.max_points, sensor) {
     structure_.min_parallax = config.min_parallax;
     structure_.find_row_time = find_row_time;
   }
@@ -103,14 +100,9 @@ class Initializer::Impl {
     if (depth_doubts_ < kMostDepthDoubts) {
       if (auto map = metric_.attempt(buffer_)) return map;
     }
-    if (!pending_) buffer_.updateReference();
+    buffer_.updateReference();
     buffer_.updateTracks(kImagesPerFrame);
-    ++since_attempt_;
-    if (readyForAttempt()) attempt(frame->midExposureSeconds());
-    const double waited = frame->midExposureSeconds() - pending_since_;
-    if (!pending_ || (pending_parallax_ < config_.target_parallax && waited < config_.max_wait_seconds)) return nullptr;
-    reason_.clear();
-    return std::move(pending_);
+    return readyForAttempt() ? attempt() : nullptr;
   }
 
   std::vector<FrameConstPtr> bufferedFrames() const {
@@ -130,8 +122,6 @@ class Initializer::Impl {
   void reset() {
     buffer_.clear();
     metric_.reset();
-    pending_.reset();
-    since_attempt_ = 0;
     reason_ = "collecting frames";
   }
 
@@ -146,7 +136,7 @@ class Initializer::Impl {
 
   bool readyForAttempt() {
     if (!buffer_.hasReference() || buffer_.span() < kMinSpan) {
-      if (!pending_) reason_ = "collecting frames";
+      reason_ = "collecting frames";
       return false;
     }
     if (static_cast<int>(buffer_.tracker().corners().size()) < structure_.min_points) {
@@ -158,37 +148,22 @@ class Initializer::Impl {
       reason_ = "waiting for a sharper frame";
       return false;
     }
-    return since_attempt_ >= kAttemptEvery;
+    return true;
   }
 
-  void attempt(double now) {
-    since_attempt_ = 0;
+  std::unique_ptr<InitialMap> attempt() {
     std::vector<std::size_t> view_of;
     const StructureProblem problem = makeProblem(buffer_, view_of);
     const StructureEstimate estimate = estimateStructure(problem, structure_);
-    if (!estimate.accepted) {
-      if (!pending_) reason_ = estimate.reason;
-      return;
-    }
-    if (!pending_) pending_since_ = now;
-    if (pending_ && estimate.parallax < pending_parallax_) return;
-    pending_ = makeMap(buffer_, view_of, estimate);
-    pending_parallax_ = estimate.parallax;
-    char text[80];
-    std::snprintf(text, sizeof(text), "waiting for more parallax (%.1f %% so far)", 1e2 * estimate.parallax);
-    reason_ = text;
+    reason_ = estimate.reason;
+    return estimate.accepted ? makeMap(buffer_, view_of, estimate) : nullptr;
   }
 
-  InitializerConfig config_;
   StructureConfig structure_;
   InitializerBuffer buffer_;
   MetricStart metric_;
   int depth_doubts_ = 0;
   std::string reason_ = "collecting frames";
-  int since_attempt_ = 0;                // frames
-  std::unique_ptr<InitialMap> pending_;  // good enough, but more parallax is being waited for
-  double pending_since_ = 0.0;           // [s]
-  double pending_parallax_ = 0.0;
 };
 
 Initializer::Initializer(const InitializerConfig& config, const DepthSensorConfig& sensor, bool find_row_time)

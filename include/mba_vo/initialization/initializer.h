@@ -12,8 +12,6 @@ namespace mba_vo {
 struct InitializerConfig {
   double buffer_seconds = 2.0;
   double min_parallax = 0.02;  // translation over median depth
-  double target_parallax = 0.06;
-  double max_wait_seconds = 0.5;
   int max_points = 500;
   double depth_wait = 0.3;
 
@@ -21,8 +19,6 @@ struct InitializerConfig {
   static void describe(Config& c, Visitor& v) {
     v("buffer_seconds", c.buffer_seconds, 0.2, 10.0, "how far back frames are kept for initialisation [s]");
     v("min_parallax", c.min_parallax, 0.001, 0.5, "least translation over median depth of an initial map");
-    v("target_parallax", c.target_parallax, 0.001, 0.5, "translation over median depth worth waiting for");
-    v("max_wait_seconds", c.max_wait_seconds, 0.0, 10.0, "longest wait for it once there is a map [s]");
     v("max_points", c.max_points, 100, 5000, "corners of the reference that are tracked");
     v("depth_wait", c.depth_wait, 0.0, 10.0,
       "where frames come with depth images: longest wait for a less blurred one, if the first are very blurred [s]");
