@@ -25,7 +25,7 @@ source scripts/figures.sh
 starts=(0 5 10 15 20)
 
 # Limits in mm, as published and smoothed, and how each is rendered.
-declare -A limits=([hand]="3.1 1.7" [gentle]="1.5 0.85" [dim]="11.5 5.9")
+declare -A limits=([hand]="2.1 1.0" [gentle]="1.0 0.75" [dim]="6.3 3.3")
 declare -A options=(
   [hand]="--scene-seed 31 --trajectory-seed 31"
   [gentle]="--scene-seed 32 --trajectory-seed 32 --shake 0.4"
