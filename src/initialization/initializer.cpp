@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kImagesPerFrame = 3;         // tracked per added frame while catching up
 constexpr double kLongestGap = 0.5;        // [s] between frames that are used together
+constexpr int kAttemptEvery = 3;           // images: with a row time to be found, one takes longer than an image
 constexpr double kMinSpan = 0.3;           // [s] of frames before the first attempt
 constexpr double kMaxReferenceBlur = 8.0;  // [px] for which a sharper frame is waited for ...
 constexpr double kMaxReferenceWait = 1.0;  // ... this long [s]
@@ -102,6 +103,7 @@ class Initializer::Impl {
     }
     buffer_.updateReference();
     buffer_.updateTracks(kImagesPerFrame);
+    ++since_attempt_;
     return readyForAttempt() ? attempt() : nullptr;
   }
 
@@ -122,6 +124,7 @@ class Initializer::Impl {
   void reset() {
     buffer_.clear();
     metric_.reset();
+    since_attempt_ = 0;
     reason_ = "collecting frames";
   }
 
@@ -148,10 +151,11 @@ class Initializer::Impl {
       reason_ = "waiting for a sharper frame";
       return false;
     }
-    return true;
+    return since_attempt_ >= kAttemptEvery;
   }
 
   std::unique_ptr<InitialMap> attempt() {
+    since_attempt_ = 0;
     std::vector<std::size_t> view_of;
     const StructureProblem problem = makeProblem(buffer_, view_of);
     const StructureEstimate estimate = estimateStructure(problem, structure_);
@@ -164,6 +168,7 @@ class Initializer::Impl {
   MetricStart metric_;
   int depth_doubts_ = 0;
   std::string reason_ = "collecting frames";
+  int since_attempt_ = 0;  // images
 };
 
 Initializer::Initializer(const InitializerConfig& config, const DepthSensorConfig& sensor, bool find_row_time)
