@@ -24,12 +24,14 @@ constexpr double kAgreement = 0.2;        // of log ratio, between the last samp
 constexpr double kWellKnownSigma = 0.05;  // of log ratio
 constexpr double kLongest = 1.5;          // exposure that is tried, in intervals; their noise is not to be cut off
 constexpr double kBlurSigma = 0.3;        // [px] what path and patches have wrong
-constexpr double kLikeReference = 0.8;    // blur of the reference, as a share of the frame's along it, that is too much
-constexpr int kLeastUnknownSamples = 1;   // from which on they are better than the assumed exposure
-constexpr double kWrong = 0.2;            // |log ratio| from which on exposures that came are not believed
-constexpr double kRightAgain = 0.1;       // the same, until which they are not
-constexpr double kSignificance = 4.0;     // standard deviations
-constexpr double kCommon = 2.0;           // the same of one sample, for what all have wrong alike does not average out
+// Blur of the reference, as a share of the frame's along it, that is too much: 0.6 leaves too few samples, 1 and more
+// too many wrong ones (docs/decisions/2026-11-21-unknown-exposure.md).
+constexpr double kLikeReference = 0.8;
+constexpr int kLeastUnknownSamples = 1;  // from which on they are better than the assumed exposure
+constexpr double kWrong = 0.2;           // |log ratio| from which on exposures that came are not believed
+constexpr double kRightAgain = 0.1;      // the same, until which they are not
+constexpr double kSignificance = 4.0;    // standard deviations
+constexpr double kCommon = 2.0;          // the same of one sample, for what all have wrong alike does not average out
 constexpr double kMedianSigma = 1.2533 * 1.4826;  // of a median, over median deviation / sqrt(samples)
 
 double square(double x) { return x * x; }
