@@ -98,6 +98,7 @@ class Initializer::Impl {
   std::unique_ptr<InitialMap> add(const FrameConstPtr& frame) {
     if (!continues(frame)) reset();
     buffer_.add(frame);
+    residuals_ = 0;
     if (depth_doubts_ < kMostDepthDoubts) {
       if (auto map = metric_.attempt(buffer_)) return map;
     }
@@ -114,6 +115,8 @@ class Initializer::Impl {
   }
 
   const std::string& reason() const { return metric_.reason().empty() ? reason_ : metric_.reason(); }
+
+  int residuals() const { return residuals_; }
 
   void doubtDepths(bool surely) {
     depth_doubts_ += surely ? kMostDepthDoubts : 1;
@@ -160,6 +163,7 @@ class Initializer::Impl {
     const StructureProblem problem = makeProblem(buffer_, view_of);
     const StructureEstimate estimate = estimateStructure(problem, structure_);
     reason_ = estimate.reason;
+    residuals_ = estimate.residuals;
     return estimate.accepted ? makeMap(buffer_, view_of, estimate) : nullptr;
   }
 
@@ -169,6 +173,7 @@ class Initializer::Impl {
   int depth_doubts_ = 0;
   std::string reason_ = "collecting frames";
   int since_attempt_ = 0;  // images
+  int residuals_ = 0;
 };
 
 Initializer::Initializer(const InitializerConfig& config, const DepthSensorConfig& sensor, bool find_row_time)
@@ -178,6 +183,7 @@ Initializer::~Initializer() = default;
 std::unique_ptr<InitialMap> Initializer::add(const FrameConstPtr& frame) { return impl_->add(frame); }
 std::vector<FrameConstPtr> Initializer::bufferedFrames() const { return impl_->bufferedFrames(); }
 const std::string& Initializer::reason() const { return impl_->reason(); }
+int Initializer::residuals() const { return impl_->residuals(); }
 void Initializer::reset() { impl_->reset(); }
 void Initializer::doubtDepths(bool surely) { impl_->doubtDepths(surely); }
 void Initializer::trustDepths() { impl_->trustDepths(); }

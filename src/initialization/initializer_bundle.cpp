@@ -31,31 +31,43 @@ double totalCost(const Bundle& bundle, double huber) {
   return cost;
 }
 
-/// Normal equations of the bundle with the inverse depths kept apart: they only couple through the poses.
+/// Normal equations of the bundle with the inverse depths kept apart: they only couple through the poses, and the row
+/// time, which comes after them.
 struct BundleEquations {
-  Eigen::MatrixXd H_poses;  // block diagonal before elimination
+  Eigen::MatrixXd H_poses;
   Eigen::VectorXd g_poses;
-  std::vector<double> H_depth;                // by point
-  std::vector<double> g_depth;                // by point
-  std::vector<Eigen::VectorXd> H_pose_depth;  // by point: 6 rows per view
+  Eigen::VectorXd H_depth;       // by point
+  Eigen::VectorXd g_depth;       // by point
+  Eigen::MatrixXd H_pose_depth;  // column by point
   int observations = 0;
+
+  /// Adds the derivative of one observation by the row time, whose view's states begin at `view`.
+  void addRowTime(Eigen::Index point, Eigen::Index view, const ReprojectionTerm& term, const Eigen::Vector2d& J,
+                  double weight) {
+    const Eigen::Index at = H_poses.rows() - 1;
+    H_poses.block<1, 6>(at, view).noalias() += weight * J.transpose() * term.J_pose;
+    H_poses(at, at) += weight * J.squaredNorm();
+    g_poses[at] += weight * J.dot(term.residual);
+    H_pose_depth(at, point) += weight * J.dot(term.J_inverse_depth);
+  }
 };
 
 BundleEquations linearize(const Bundle& bundle, double huber) {
-  const std::size_t points = bundle.rays.size();
-  const Eigen::Index dim = 6 * static_cast<Eigen::Index>(bundle.views.size());
+  const auto points = static_cast<Eigen::Index>(bundle.rays.size());
+  const Eigen::Index dim = 6 * static_cast<Eigen::Index>(bundle.views.size()) + (bundle.findsRowTime() ? 1 : 0);
   BundleEquations eq;
   eq.H_poses = Eigen::MatrixXd::Zero(dim, dim);
   eq.g_poses = Eigen::VectorXd::Zero(dim);
-  eq.H_depth.assign(points, 0.0);
-  eq.g_depth.assign(points, 0.0);
-  eq.H_pose_depth.assign(points, Eigen::VectorXd::Zero(dim));
+  eq.H_depth = Eigen::VectorXd::Zero(points);
+  eq.g_depth = Eigen::VectorXd::Zero(points);
+  eq.H_pose_depth = Eigen::MatrixXd::Zero(dim, points);
   for (std::size_t v = 0; v < bundle.views.size(); ++v) {
     const BundleView& view = bundle.views[v];
     const Eigen::Index at = 6 * static_cast<Eigen::Index>(v);
     Matrix6 H = Matrix6::Zero();
     Vector6 g = Vector6::Zero();
-    for (std::size_t p = 0; p < points; ++p) {
+    for (Eigen::Index column = 0; column < points; ++column) {
+      const auto p = static_cast<std::size_t>(column);
       if (!view.observed[p]) continue;
       const ReprojectionTerm term = reprojectionTerm(bundle.camera, view.T_view_reference, bundle.rays[p],
                                                      bundle.inverse_depth[p], view.pixel[p]);
@@ -63,9 +75,12 @@ BundleEquations linearize(const Bundle& bundle, double huber) {
       const double weight = huberWeight(term.residual.norm() / view.sigma, huber) / (view.sigma * view.sigma);
       H.noalias() += weight * term.J_pose.transpose() * term.J_pose;
       g.noalias() += weight * term.J_pose.transpose() * term.residual;
-      eq.H_depth[p] += weight * term.J_inverse_depth.squaredNorm();
-      eq.g_depth[p] += weight * term.J_inverse_depth.dot(term.residual);
-      eq.H_pose_depth[p].segment<6>(at) = weight * term.J_pose.transpose() * term.J_inverse_depth;
+      eq.H_depth[column] += weight * term.J_inverse_depth.squaredNorm();
+      eq.g_depth[column] += weight * term.J_inverse_depth.dot(term.residual);
+      eq.H_pose_depth.col(column).segment<6>(at) = weight * term.J_pose.transpose() * term.J_inverse_depth;
+      if (bundle.findsRowTime()) {
+        eq.addRowTime(column, at, term, term.J_ray * bundle.ray_by_row_time[p] - view.pixel_by_row_time[p], weight);
+      }
       ++eq.observations;
     }
     eq.H_poses.block<6, 6>(at, at) = H;
@@ -75,29 +90,22 @@ BundleEquations linearize(const Bundle& bundle, double huber) {
 }
 
 struct BundleStep {
-  Eigen::VectorXd poses;
-  std::vector<double> depth;
+  Eigen::VectorXd poses;  // and the row time
+  Eigen::VectorXd depth;  // by point
 };
 
 BundleStep solve(const BundleEquations& eq, double lambda) {
   Eigen::MatrixXd S = eq.H_poses;
-  Eigen::VectorXd g = eq.g_poses;
   S.diagonal() *= 1.0 + lambda;
   S.diagonal().array() += 1e-9;
-  const std::size_t points = eq.H_depth.size();
-  std::vector<double> inverse(points, 0.0);
-  for (std::size_t p = 0; p < points; ++p) {
-    if (eq.H_depth[p] <= 0.0) continue;
-    inverse[p] = 1.0 / (eq.H_depth[p] * (1.0 + lambda) + 1e-9);
-    S.selfadjointView<Eigen::Lower>().rankUpdate(eq.H_pose_depth[p], -inverse[p]);
-    g -= inverse[p] * eq.g_depth[p] * eq.H_pose_depth[p];
-  }
+  Eigen::VectorXd inverse = ((1.0 + lambda) * eq.H_depth.array() + 1e-9).inverse();
+  inverse = (eq.H_depth.array() > 0.0).select(inverse, 0.0);
+  const Eigen::MatrixXd scaled = eq.H_pose_depth * inverse.cwiseSqrt().asDiagonal();
+  S.selfadjointView<Eigen::Lower>().rankUpdate(scaled, -1.0);
+  const Eigen::VectorXd g = eq.g_poses - eq.H_pose_depth * inverse.cwiseProduct(eq.g_depth);
   BundleStep step;
   step.poses = -S.selfadjointView<Eigen::Lower>().ldlt().solve(g);
-  step.depth.assign(points, 0.0);
-  for (std::size_t p = 0; p < points; ++p) {
-    step.depth[p] = -inverse[p] * (eq.g_depth[p] + eq.H_pose_depth[p].dot(step.poses));
-  }
+  step.depth = -inverse.cwiseProduct(eq.g_depth + eq.H_pose_depth.transpose() * step.poses);
   return step;
 }
 
@@ -106,23 +114,36 @@ void apply(const BundleStep& step, Bundle& bundle) {
     SE3& T = bundle.views[v].T_view_reference;
     T = SE3::exp(step.poses.segment<6>(6 * static_cast<Eigen::Index>(v))) * T;
   }
-  for (std::size_t p = 0; p < step.depth.size(); ++p) bundle.inverse_depth[p] += step.depth[p];
+  for (Eigen::Index p = 0; p < step.depth.size(); ++p)
+    bundle.inverse_depth[static_cast<std::size_t>(p)] += step.depth[p];
+  if (bundle.findsRowTime()) bundle.setRowTime(bundle.row_time + step.poses[step.poses.size() - 1]);
 }
 
 /// What a step changes; copying the observations with every trial would cost more than the step.
 struct BundleState {
-  explicit BundleState(const Bundle& bundle) : inverse_depth(bundle.inverse_depth) {
+  explicit BundleState(const Bundle& bundle) : inverse_depth(bundle.inverse_depth), row_time(bundle.row_time) {
     for (const BundleView& view : bundle.views) poses.push_back(view.T_view_reference);
   }
   void restore(Bundle& bundle) const {
     bundle.inverse_depth = inverse_depth;
     for (std::size_t v = 0; v < poses.size(); ++v) bundle.views[v].T_view_reference = poses[v];
+    bundle.setRowTime(row_time);
   }
   std::vector<double> inverse_depth;
+  double row_time;
   std::vector<SE3> poses;
 };
 
 }  // namespace
+
+void Bundle::setRowTime(double seconds) {
+  const double change = seconds - row_time;
+  row_time = seconds;
+  for (std::size_t p = 0; p < ray_by_row_time.size(); ++p) {
+    rays[p] += change * ray_by_row_time[p];
+    for (BundleView& view : views) view.pixel[p] += change * view.pixel_by_row_time[p];
+  }
+}
 
 ReprojectionTerm reprojectionTerm(const PinholeCamera& camera, const SE3& T_view_reference, const Eigen::Vector3d& ray,
                                   double inverse_depth, const Eigen::Vector2d& pixel) {
@@ -136,6 +157,7 @@ ReprojectionTerm reprojectionTerm(const PinholeCamera& camera, const SE3& T_view
   term.J_pose.leftCols<3>() = inverse_depth * J;
   term.J_pose.rightCols<3>() = -J * hat(point);
   term.J_inverse_depth = J * t;
+  term.J_ray = J * T_view_reference.rotationMatrix();
   return term;
 }
 

@@ -10,8 +10,9 @@ namespace mba_vo {
 namespace {
 
 constexpr double kLongestSpan = 0.2;  // [s] of three images that a track is interpolated by
-constexpr int kRounds = 3;
-constexpr int kIterations = 4;  // of a bundle that is nearly right
+constexpr int kRounds = 3;            // of tracks about a row time
+constexpr int kIterations = 4;        // of a bundle that is nearly right
+constexpr double kDifference = 0.05;  // of the longest row time, for derivatives
 
 /// The reference's and all views' tracks, by time.
 struct Sequence {
@@ -73,8 +74,10 @@ std::optional<Eigen::Vector2d> atMidExposure(const Sequence& sequence, const Pin
   return result;
 }
 
-/// The bundle with the tracks of another row time.
-Bundle withTracks(const StructureProblem& tracks, const std::vector<std::size_t>& views, Bundle bundle) {
+/// Gives the bundle the tracks at a row time.
+void setTracks(const StructureProblem& problem, const std::vector<std::size_t>& views, double row_time,
+               Bundle& bundle) {
+  const StructureProblem tracks = withGlobalShutter(problem, row_time);
   for (std::size_t p = 0; p < bundle.rays.size(); ++p) {
     bundle.rays[p] = bundle.camera.unproject(tracks.reference_pixels[p]);
   }
@@ -82,7 +85,24 @@ Bundle withTracks(const StructureProblem& tracks, const std::vector<std::size_t>
     bundle.views[v].pixel = tracks.views[views[v]].pixel;
     bundle.views[v].observed = tracks.views[views[v]].tracked;
   }
-  return bundle;
+  bundle.row_time = row_time;
+}
+
+/// And the derivatives of the tracks there, by that much more.
+void setDerivatives(const StructureProblem& problem, const std::vector<std::size_t>& views, double more,
+                    Bundle& bundle) {
+  const StructureProblem tracks = withGlobalShutter(problem, bundle.row_time + more);
+  bundle.ray_by_row_time.resize(bundle.rays.size());
+  for (std::size_t p = 0; p < bundle.rays.size(); ++p) {
+    bundle.ray_by_row_time[p] = (bundle.camera.unproject(tracks.reference_pixels[p]) - bundle.rays[p]) / more;
+  }
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    BundleView& view = bundle.views[v];
+    view.pixel_by_row_time.resize(bundle.rays.size());
+    for (std::size_t p = 0; p < bundle.rays.size(); ++p) {
+      view.pixel_by_row_time[p] = (tracks.views[views[v]].pixel[p] - view.pixel[p]) / more;
+    }
+  }
 }
 
 }  // namespace
@@ -110,31 +130,26 @@ StructureProblem withGlobalShutter(const StructureProblem& problem, double row_t
 RowTimeFit fitRowTime(const StructureProblem& problem, const std::vector<std::size_t>& views, const Bundle& bundle) {
   BundleOptions options;
   options.max_iterations = kIterations;
-  Bundle start = bundle;
-  const auto costAt = [&](double row_time) {
-    start = withTracks(withGlobalShutter(problem, row_time), views, std::move(start));
-    return optimizeBundle(start, options).final_cost;
-  };
+  Bundle global = bundle;
+  setTracks(problem, views, 0.0, global);
+  const double global_cost = optimizeBundle(global, options).final_cost;
+
   // A shutter takes no longer than there is time between images.
   double shortest = kLongestSpan;
   for (std::size_t v = 1; v < problem.views.size(); ++v) {
     shortest = std::min(shortest, problem.views[v].time - problem.views[v - 1].time);
   }
-  double step = 0.5 * shortest / problem.camera.height;
+  const double longest = shortest / problem.camera.height;
+  Bundle rolling = std::move(global);
   RowTimeFit fit;
-  const double global = costAt(0.0);
-  double best = global;
+  double cost = global_cost;
   for (int round = 0; round < kRounds; ++round) {
-    const double less = costAt(fit.row_time - step);
-    best = costAt(fit.row_time);
-    const double more = costAt(fit.row_time + step);
-    const double curvature = less + more - 2.0 * best;
-    const double way = curvature > 0.0 ? 0.5 * (less - more) / curvature : (less < more ? -1.0 : 1.0);
-    fit.row_time += std::clamp(way, -1.5, 1.5) * step;
-    step *= 0.5;
+    setTracks(problem, views, fit.row_time, rolling);
+    setDerivatives(problem, views, kDifference * longest, rolling);
+    cost = optimizeBundle(rolling, options).final_cost;
+    fit.row_time = std::clamp(rolling.row_time, -longest, longest);
   }
-  best = costAt(fit.row_time);
-  fit.cost_ratio = best / std::max(global, 1e-12);
+  fit.cost_ratio = cost / std::max(global_cost, 1e-12);
   return fit;
 }
 

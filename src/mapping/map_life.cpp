@@ -9,12 +9,6 @@ namespace {
 
 constexpr int kFramesUntilResend = 15;  // the first reference may still be on its way for a while
 
-MapperOutput saying(const std::string& message) {
-  MapperOutput output;
-  output.message = message;
-  return output;
-}
-
 }  // namespace
 
 MapperOutput Mapper::Impl::initialize(const FrameConstPtr& frame) {
@@ -24,7 +18,9 @@ MapperOutput Mapper::Impl::initialize(const FrameConstPtr& frame) {
   newest_initializing_ns_ = frame->mid_exposure_ns;
   if (!calibration_) beginCalibration(frame->correction);
   std::unique_ptr<InitialMap> initial = initializer_.add(withRowTime(frame, calibration_->correction()));
-  if (!initial) return saying(initializer_.reason());
+  output.residuals = initializer_.residuals();
+  output.message = initializer_.reason();
+  if (!initial) return output;
   const BodyMotion motion = referenceMotion(*initial);
   calibration_before_map_ = *calibration_;
   initial_frames_ = initializer_.bufferedFrames();
@@ -166,8 +162,10 @@ MapperOutput Mapper::Impl::resend() {
 }
 
 MapperOutput Mapper::Impl::stale(const TrackedFrame& frame) {
-  return saying("frame " + std::to_string(frame.frame->sequence) + " was tracked in map " +
-                std::to_string(frame.reference.map_id) + ", which is no more");
+  MapperOutput output;
+  output.message = "frame " + std::to_string(frame.frame->sequence) + " was tracked in map " +
+                   std::to_string(frame.reference.map_id) + ", which is no more";
+  return output;
 }
 
 std::shared_ptr<Reference> Mapper::Impl::closed(const std::string& reason) const {

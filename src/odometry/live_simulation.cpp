@@ -66,34 +66,40 @@ void LiveSimulation::startWork() {
   }
   if (!mapping_) {
     if (auto step = mapper_.step()) {
-      const double seconds = machine_.secondsFor(*step);
-      mapping_ = MapperWork{std::move(*step), seconds};
+      const StepTime time = machine_.timeFor(*step);
+      mapping_ = MapperWork{std::move(*step), time};
     }
   }
 }
 
 double LiveSimulation::mapperRate() const {
   if (!mapping_) return 0.0;
-  if (!tracking_) return machine_.cores;
-  return std::max(machine_.cores - 1.0, kBackgroundShare * std::min(1.0, machine_.cores));
+  const double usable = mapping_->left.serial > 0.0 ? std::min(1.0, machine_.cores) : machine_.cores;
+  if (!tracking_) return usable;
+  return std::min(usable, std::max(machine_.cores - 1.0, kBackgroundShare * std::min(1.0, machine_.cores)));
 }
 
 double LiveSimulation::trackerRate() const { return tracking_ ? std::min(1.0, machine_.cores - mapperRate()) : 0.0; }
 
-double LiveSimulation::timeOfNextEvent(double latest) const {
+double LiveSimulation::timeOfNextEvent(double latest) {
   double next = latest;
   if (tracking_) next = std::min(next, now_ + tracking_->left / trackerRate());
-  if (mapping_) next = std::min(next, now_ + mapping_->left / mapperRate());
+  if (mapping_) next = std::min(next, now_ + mapping_->part() / mapperRate());
   return next;
 }
 
 void LiveSimulation::work(double seconds) {
-  if (mapping_) mapping_->left -= seconds * mapperRate();
-  if (tracking_) tracking_->left -= seconds * trackerRate();
+  const double mapped = seconds * mapperRate();
+  const double tracked = seconds * trackerRate();
+  if (mapping_) {
+    double& part = mapping_->part();
+    part = part - mapped < kDone ? 0.0 : part - mapped;
+  }
+  if (tracking_) tracking_->left -= tracked;
 }
 
 void LiveSimulation::endWork(OdometryResult& result) {
-  if (mapping_ && mapping_->left < kDone) {
+  if (mapping_ && mapping_->left.sum() < kDone) {
     const MapperWork done = *std::exchange(mapping_, std::nullopt);
     result.mapping.push_back(done.step.output);
     if (done.step.reference.reference) tracker_.addReference(done.step.reference);

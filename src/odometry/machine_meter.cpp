@@ -53,13 +53,14 @@ void MachineMeter::add(const MapperStep& step, double seconds) {
 
 void MachineMeter::addFrame(const MapperStep& step, double ms) {
   const TrackedFrame& tracked = *step.cause.tracked;
+  const double thousands = step.output.residuals / kThousand;
   if (step.output.reference && step.output.reference->cause == ReferenceCause::kMapBegins) {
-    first_map_.add(ms);
+    first_map_.add(std::max(0.0, ms - look_for_map_.at(thousands)));
   } else if (step.output.inserted_blur_px) {
     // Depths are searched in that frame first, as in others.
     if (!step.output.keyframe) draft_.add(std::max(0.0, ms - depth_search_.mean()), *step.output.inserted_blur_px);
   } else if (tracked.status == TrackingStatus::kInitializing) {
-    if (!step.cause.has_reference) look_for_map_.add(ms);
+    if (!step.cause.has_reference) look_for_map_.add(ms, thousands);
   } else if (tracked.status == TrackingStatus::kLost) {
     if (!tracked.blind) relocalize_.add(ms);
   } else if (!tracked.provisional) {
@@ -74,7 +75,6 @@ Machine MachineMeter::machine(const Machine& otherwise) const {
   };
   take(image_, machine.image);
   take(orientation_, machine.orientation);
-  take(look_for_map_, machine.look_for_map);
   take(first_map_, machine.first_map);
   take(depth_search_, machine.depth_search);
   take(keyframe_, machine.keyframe);
@@ -83,6 +83,10 @@ Machine MachineMeter::machine(const Machine& otherwise) const {
   if (!track_.empty()) {
     machine.track = track_.offset();
     machine.track_per_px = track_.slope();
+  }
+  if (!look_for_map_.empty()) {
+    machine.look_for_map = look_for_map_.offset();
+    machine.look_for_map_per_1000 = look_for_map_.slope();
   }
   if (!draft_.empty()) {
     machine.draft = draft_.offset();

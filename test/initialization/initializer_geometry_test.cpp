@@ -69,7 +69,7 @@ Bundle exactBundle(const World& world) {
   bundle.inverse_depth = world.inverse_depth;
   for (std::size_t v = 0; v < world.problem.views.size(); ++v) {
     bundle.views.push_back(
-        {world.T_view_reference[v], 1.0, world.problem.views[v].pixel, world.problem.views[v].tracked});
+        {world.T_view_reference[v], 1.0, world.problem.views[v].pixel, world.problem.views[v].tracked, {}});
   }
   return bundle;
 }
@@ -89,6 +89,10 @@ TEST(InitializerBundle, JacobiansAgreeWithCentralDifferences) {
     const auto by_depth = [&](const Eigen::VectorXd& d) -> Eigen::VectorXd {
       return reprojectionTerm(kCamera, T, ray, w + d(0), pixel).residual;
     };
+    const auto by_ray = [&](const Eigen::VectorXd& d) -> Eigen::VectorXd {
+      return reprojectionTerm(kCamera, T, ray + d, w, pixel).residual;
+    };
+    EXPECT_LT((test::numericJacobian(by_ray, 3) - term.J_ray).norm(), 1e-5 * (1.0 + term.J_ray.norm()));
     EXPECT_LT((test::numericJacobian(by_pose, 6) - term.J_pose).norm(), 1e-5 * (1.0 + term.J_pose.norm()));
     EXPECT_LT((test::numericJacobian(by_depth, 1) - term.J_inverse_depth).norm(),
               1e-5 * (1.0 + term.J_inverse_depth.norm()));
@@ -98,6 +102,28 @@ TEST(InitializerBundle, JacobiansAgreeWithCentralDifferences) {
 TEST(InitializerBundle, BehindTheCameraIsNotInFront) {
   const SE3 T(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, 0.0, -2.0));
   EXPECT_FALSE(reprojectionTerm(kCamera, T, Eigen::Vector3d(0.0, 0.0, 1.0), 1.0, Eigen::Vector2d::Zero()).in_front);
+}
+
+TEST(InitializerBundle, FindsTheRowTimeThatTracksAreLinearIn) {
+  const World world(Scene::kGeneral, 0.15, 0.0, 1, 6, 81, 80.0);
+  Bundle bundle = exactBundle(world);
+  test::Random random(4);
+  for (std::size_t p = 0; p < bundle.rays.size(); ++p) {
+    bundle.ray_by_row_time.emplace_back(random.normal(50.0), random.normal(50.0), 0.0);
+  }
+  for (BundleView& view : bundle.views) {
+    for (std::size_t p = 0; p < bundle.rays.size(); ++p) {
+      view.pixel_by_row_time.emplace_back(random.normal(1e4), random.normal(1e4));
+    }
+  }
+  const std::vector<Eigen::Vector3d> rays = bundle.rays;
+  bundle.setRowTime(1e-4);
+  bundle.row_time = 0.0;  // what is right is now at -1e-4
+  BundleOptions options;
+  options.max_iterations = 30;
+  optimizeBundle(bundle, options);
+  EXPECT_NEAR(bundle.row_time, -1e-4, 1e-8);
+  for (std::size_t p = 0; p < rays.size(); ++p) EXPECT_LT((bundle.rays[p] - rays[p]).norm(), 1e-5);
 }
 
 TEST(InitializerBundle, RecoversPosesAndDepthsExactly) {

@@ -28,6 +28,21 @@ MapperStep frameStep(TrackingStatus status) {
   return step;
 }
 
+MapperStep searchForMapStep(int residuals) {
+  MapperStep step = frameStep(TrackingStatus::kInitializing);
+  step.output.residuals = residuals;
+  return step;
+}
+
+MapperStep firstMapStep(int residuals) {
+  MapperStep step = searchForMapStep(residuals);
+  auto reference = std::make_shared<Reference>();
+  reference->cause = ReferenceCause::kMapBegins;
+  step.output.reference = reference;
+  step.output.keyframe = KeyframeReport();
+  return step;
+}
+
 MapperStep insertionStep(double blur_px) {
   MapperStep step = frameStep(TrackingStatus::kTracking);
   step.output.inserted_blur_px = blur_px;
@@ -47,6 +62,8 @@ Machine made() {
   machine.track = 3.0;
   machine.track_per_px = 0.5;
   machine.look_for_map = 20.0;
+  machine.look_for_map_per_1000 = 7.0;
+  machine.first_map = 60.0;
   machine.depth_search = 4.0;
   machine.draft = 10.0;
   machine.draft_per_px = 0.7;
@@ -66,11 +83,10 @@ MachineMeter metered(const Machine& machine) {
     step.build_ms = machine.image;
     meter.add(step, machine.secondsFor(step));
   }
-  const auto add = [&](const MapperStep& step) { meter.add(step, machine.secondsFor(step)); };
-  for (const TrackingStatus status :
-       {TrackingStatus::kInitializing, TrackingStatus::kTracking, TrackingStatus::kLost}) {
-    add(frameStep(status));
-  }
+  const auto add = [&](const MapperStep& step) { meter.add(step, machine.timeFor(step).sum()); };
+  for (const int residuals : {0, 0, 2000, 5000}) add(searchForMapStep(residuals));
+  add(firstMapStep(5000));
+  for (const TrackingStatus status : {TrackingStatus::kTracking, TrackingStatus::kLost}) add(frameStep(status));
   for (const double blur_px : {1.0, 5.0, 20.0}) add(insertionStep(blur_px));
   for (const int residuals : {1000, 5000, 20000}) add(iterationStep(residuals));
   MapperStep last = iterationStep(5000);
@@ -88,6 +104,8 @@ TEST(MachineMeter, FindsTheMachineThatItWasMeasuredOn) {
   EXPECT_NEAR(found.track, 3.0, 1e-9);
   EXPECT_NEAR(found.track_per_px, 0.5, 1e-9);
   EXPECT_NEAR(found.look_for_map, 20.0, 1e-9);
+  EXPECT_NEAR(found.look_for_map_per_1000, 7.0, 1e-9);
+  EXPECT_NEAR(found.first_map, 60.0, 1e-9);
   EXPECT_NEAR(found.depth_search, 4.0, 1e-9);
   EXPECT_NEAR(found.draft, 10.0, 1e-9);
   EXPECT_NEAR(found.draft_per_px, 0.7, 1e-9);
@@ -96,7 +114,7 @@ TEST(MachineMeter, FindsTheMachineThatItWasMeasuredOn) {
   EXPECT_NEAR(found.keyframe, 15.0, 1e-9);
   EXPECT_NEAR(found.relocalize, 30.0, 1e-9);
   EXPECT_NEAR(found.deferred, 8.0, 1e-9);
-  EXPECT_EQ(found.first_map, Machine().first_map) << "there was none";
+  EXPECT_EQ(found.orientation, Machine().orientation) << "there was none";
 }
 
 TEST(MachineMeter, TwiceAsSlowIsTwiceAsSlow) {

@@ -55,6 +55,8 @@ class Initializer {
   std::vector<FrameConstPtr> bufferedFrames() const;
   /// Why there is no map yet, e.g. "only rotation so far".
   const std::string& reason() const;
+  /// Residuals of the bundles that add() has adjusted; 0: it only took the frame in.
+  int residuals() const;
   void reset();
   /// A map made with depth images was wrong, surely because of them, or perhaps. Before long they are not used any
   /// more, also after reset().

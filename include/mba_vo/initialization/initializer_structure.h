@@ -45,6 +45,7 @@ struct StructureEstimate {
   double validation_error = 0.0;      // median in the views that did not [px]
   double relative_depth_sigma = 0.0;  // median of sigma(w)/w
   int points = 0;                     // with finite variance
+  int residuals = 0;                  // of the bundles that were adjusted
   double row_time = 0.0;              // that was found, on top of the camera's [s]
 };
 

@@ -10,7 +10,7 @@ namespace mba_vo {
 
 /// A live run in simulated time: images arrive at their stamps, every step of the two halves takes the time that it
 /// takes on the machine described, and what comes too late comes too late. The tracker has a core when it needs one;
-/// the mapper, whose loops are parallel, works with what is left. The same images always go the same way.
+/// the mapper works with what is left, in its parallel loops with all of it. The same images always go the same way.
 class LiveSimulation : public OdometryRun {
  public:
   LiveSimulation(const OdometryConfig& config, const Machine& machine, const PhotometricCalibration& photometric = {});
@@ -31,14 +31,15 @@ class LiveSimulation : public OdometryRun {
   };
   struct MapperWork {
     MapperStep step;
-    double left = 0.0;  // [s] of one core
+    StepTime left;
+    double& part() { return left.serial > 0.0 ? left.serial : left.parallel; }  // that is being done
   };
 
   void runUntil(double time, OdometryResult& result);
   void startWork();
   double trackerRate() const;
   double mapperRate() const;
-  double timeOfNextEvent(double latest) const;
+  double timeOfNextEvent(double latest);
   void work(double seconds);
   void endWork(OdometryResult& result);
   void endTracking(OdometryResult& result);

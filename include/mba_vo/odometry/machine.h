@@ -5,26 +5,34 @@
 
 namespace mba_vo {
 
+/// What a step of the mapper takes of one core: first what one thread does, then what all cores can share [s].
+struct StepTime {
+  double serial = 0.0;
+  double parallel = 0.0;
+  double sum() const { return serial + parallel; }
+};
+
 /// How long the steps of the pipeline take on a machine. Times are those of one core [ms]. What decides about a step's
 /// time is counted, not measured, so that the same run always takes the same time. The defaults are those of a core of
 /// 2.1 GHz: medians of machine.yaml of `taskset --cpu-list 0 mba_vo_offline` over desk, shake, kitchen and spin, the
 /// other core busy as it is in live runs. That of `relocalize` is a guess: nothing was lost there.
 struct Machine {
-  double cores = 2.0;               // that can be used at a time
-  double image = 1.0;               // a frame is made of an image
-  double track = 7.4;               // a sharp frame is aligned
-  double track_per_px = 0.15;       // and for each pixel of its blur
-  double orientation = 10.7;        // the rotation of a frame is measured while there is no map
-  double look_for_map = 21.0;       // the initialiser takes in a frame
-  double first_map = 110.0;         // and makes a map, with its second keyframe
-  double depth_search = 3.7;        // depths are searched in a frame
-  double draft = 10.4;              // a sharp keyframe is inserted
-  double draft_per_px = 0.1;        // and for each pixel of its blur
-  double iteration = 0.6;           // a piece of the optimisation of the window
-  double iteration_per_1000 = 1.2;  // and for each thousand residuals
-  double keyframe = 9.4;            // the last piece of what is done with a keyframe
-  double relocalize = 12.0;         // a lost frame is looked for
-  double deferred = 4.7;            // a frame is tracked once more for the trajectory
+  double cores = 2.0;                  // that can be used at a time
+  double image = 1.2;                  // a frame is made of an image
+  double track = 6.7;                  // a sharp frame is aligned
+  double track_per_px = 0.15;          // and for each pixel of its blur
+  double orientation = 8.7;            // the rotation of a frame is measured while there is no map
+  double look_for_map = 13.0;          // the initialiser takes in a frame
+  double look_for_map_per_1000 = 6.4;  // and for each thousand residuals of structure and motion
+  double first_map = 60.0;             // and makes a map, with its second keyframe
+  double depth_search = 5.2;           // depths are searched in a frame
+  double draft = 7.5;                  // a sharp keyframe is inserted
+  double draft_per_px = 0.14;          // and for each pixel of its blur
+  double iteration = 0.0;              // a piece of the optimisation of the window
+  double iteration_per_1000 = 1.2;     // and for each thousand residuals
+  double keyframe = 9.8;               // the last piece of what is done with a keyframe
+  double relocalize = 12.0;            // a lost frame is looked for
+  double deferred = 4.9;               // a frame is tracked once more for the trajectory
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
@@ -34,6 +42,8 @@ struct Machine {
     v("track_per_px", c.track_per_px, 0.0, 1e4, "and for each pixel of its blur [ms]");
     v("orientation", c.orientation, 0.0, 1e4, "the rotation of a frame is measured while there is no map [ms]");
     v("look_for_map", c.look_for_map, 0.0, 1e4, "the initialiser takes in a frame [ms]");
+    v("look_for_map_per_1000", c.look_for_map_per_1000, 0.0, 1e4,
+      "and for each thousand residuals of structure and motion [ms]");
     v("first_map", c.first_map, 0.0, 1e5, "and makes a map [ms]");
     v("depth_search", c.depth_search, 0.0, 1e4, "depths are searched in a frame [ms]");
     v("draft", c.draft, 0.0, 1e4, "a sharp keyframe is inserted [ms]");
@@ -47,12 +57,12 @@ struct Machine {
 
   /// [s], of one core.
   double secondsFor(const TrackerStep& step) const;
-  double secondsFor(const MapperStep& step) const;
+  StepTime timeFor(const MapperStep& step) const;
   /// The same machine with all times multiplied.
   Machine slowedBy(double factor) const;
 
  private:
-  double millisecondsForFrame(const MapperStep& step) const;
+  double millisecondsWithoutMap(const MapperStep& step) const;
 };
 
 }  // namespace mba_vo

@@ -25,6 +25,7 @@ class MachineMeter {
     double mean() const;    // [ms]
     double slope() const;   // [ms] for each unit of x, not negative
     double offset() const;  // [ms] at x = 0, not negative
+    double at(double x) const { return offset() + slope() * x; }
 
    private:
     std::size_t count_ = 0;
