@@ -122,7 +122,7 @@ KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const BodyM
   window_.addResidualsTo(newestKeyframe());
   const StageClock::time_point stage = StageClock::now();
   alignBlurred(tracked.measures.blur_length_px);
-  activatePoints();
+  report.activation_residuals = activatePoints();
   storePoses();
   refinement_ = {};
   report.activation_ms = millisecondsSince(stage);
@@ -135,18 +135,21 @@ KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const BodyM
   return report;
 }
 
-void LocalMap::activatePoints() {
+/// Returns how many residuals that took.
+int LocalMap::activatePoints() {
   activation_distance_px_ = adaptedDistance(activation_distance_px_, window_.pointCount(), config_.window.max_points);
   PointActivator activator(window_, cameraOf(newestKeyframe()), newestKeyframe(), activation_distance_px_);
   const auto newest = std::prev(keyframes_.end());
   for (auto host = keyframes_.begin(); host != newest; ++host) {
     activator.activateFound(host->first, host->second.immature);
   }
-  if (!activator.isStarving(config_.window.max_points)) return;
-  for (auto host = newest; host != keyframes_.begin();) {  // what has just come into view is in the last ones
+  if (!activator.isStarving(config_.window.max_points)) return activator.residuals();
+  // What has just come into view is in the last ones.
+  for (auto host = newest; host != keyframes_.begin() && !activator.isFull(config_.window.max_points);) {
     --host;
     activator.activateGuessed(host->first, host->second.immature);
   }
+  return activator.residuals();
 }
 
 /// The newest keyframe, with the points that there are now.

@@ -69,7 +69,8 @@ TrackedFrameConstPtr Mapper::Impl::integrate(const TrackedFrameConstPtr& frame, 
 void Mapper::Impl::insertKeyframe(const TrackedFrameConstPtr& chosen, MapperOutput& output) {
   if (refining_) refineNoFurther(output);
   refining_ = {chosen, map_->insertKeyframe(*chosen, selector_.motion())};
-  output.inserted_blur_px = chosen->measures.blur_length_px;
+  output.inserted = true;
+  output.residuals = refining_->report.activation_residuals;
   output.reference = reference_ = snapshot(ReferenceCause::kKeyframe, map_->newestKeyframe(), health_.doubt());
 }
 

@@ -41,13 +41,14 @@ StepTime Machine::timeFor(const MapperStep& step) const {
       if (searchesDepths(step)) search = depth_search;
       break;
     case MapperStep::Kind::kRefinement:
-      if (output.residuals > 0 && !output.keyframe) optimisation = iteration + iteration_per_1000 * thousands(output);
+      if (output.residuals > 0 && !output.keyframe && !output.inserted)
+        optimisation = iteration + iteration_per_1000 * thousands(output);
       break;
     case MapperStep::Kind::kPassed:
       break;
   }
   const bool begins = step.cause.tracked && step.cause.tracked->status == TrackingStatus::kInitializing;
-  if (output.inserted_blur_px) serial += draft + draft_per_px * *output.inserted_blur_px;
+  if (output.inserted) serial += draft + draft_per_1000 * thousands(output);
   if (output.keyframe && !begins) serial += keyframe;
   const double parallel = kParallelSearch * search + kParallelOptimisation * optimisation;
   serial += search + optimisation - parallel;
@@ -67,7 +68,7 @@ Machine Machine::slowedBy(double factor) const {
   Machine slower = *this;
   for (double* time :
        {&slower.image, &slower.track, &slower.track_per_px, &slower.orientation, &slower.look_for_map,
-        &slower.look_for_map_per_1000, &slower.first_map, &slower.depth_search, &slower.draft, &slower.draft_per_px,
+        &slower.look_for_map_per_1000, &slower.first_map, &slower.depth_search, &slower.draft, &slower.draft_per_1000,
         &slower.iteration, &slower.iteration_per_1000, &slower.keyframe, &slower.relocalize, &slower.deferred}) {
     *time *= factor;
   }

@@ -46,7 +46,7 @@ void MachineMeter::add(const MapperStep& step, double seconds) {
   if (step.kind != MapperStep::Kind::kRefinement) return;
   if (step.output.keyframe) {
     keyframe_.add(ms);
-  } else if (step.output.residuals > 0) {
+  } else if (step.output.residuals > 0 && !step.output.inserted) {
     iteration_.add(ms, step.output.residuals / kThousand);
   }
 }
@@ -56,9 +56,9 @@ void MachineMeter::addFrame(const MapperStep& step, double ms) {
   const double thousands = step.output.residuals / kThousand;
   if (step.output.reference && step.output.reference->cause == ReferenceCause::kMapBegins) {
     first_map_.add(std::max(0.0, ms - look_for_map_.at(thousands)));
-  } else if (step.output.inserted_blur_px) {
+  } else if (step.output.inserted) {
     // Depths are searched in that frame first, as in others.
-    if (!step.output.keyframe) draft_.add(std::max(0.0, ms - depth_search_.mean()), *step.output.inserted_blur_px);
+    if (!step.output.keyframe) draft_.add(std::max(0.0, ms - depth_search_.mean()), thousands);
   } else if (tracked.status == TrackingStatus::kInitializing) {
     if (!step.cause.has_reference) look_for_map_.add(ms, thousands);
   } else if (tracked.status == TrackingStatus::kLost) {
@@ -90,7 +90,7 @@ Machine MachineMeter::machine(const Machine& otherwise) const {
   }
   if (!draft_.empty()) {
     machine.draft = draft_.offset();
-    machine.draft_per_px = draft_.slope();
+    machine.draft_per_1000 = draft_.slope();
   }
   if (!iteration_.empty()) {
     machine.iteration = iteration_.offset();

@@ -21,7 +21,8 @@ PointActivator::PointActivator(Window& window, const PinholeCamera& camera, Keyf
       known_(window.points()),
       camera_(camera),
       T_newest_map_(window.T_map_keyframe(newest).inverse()),
-      grid_(camera, distance_px) {
+      grid_(camera, distance_px),
+      keyframes_(static_cast<int>(window.keyframes().size())) {
   for (const ReferencePoint& point : pointsSeenBy(window, known_, camera, newest)) {
     grid_.occupy(point.pixel.cast<double>());
     ++visible_;
@@ -70,6 +71,7 @@ bool PointActivator::activate(KeyframeId host, const ImmaturePoint& point, doubl
                               const SurfaceSlopes& slopes, const Eigen::Vector2d& in_newest) {
   const Eigen::Vector2d pixel = point.pixel.cast<double>();
   const Eigen::Vector2d slope = slopes.at(pixel, inverse_depth, kUnrefinedVariance);
+  residuals_ += keyframes_ - 1;
   if (!window_.activatePoint(host, pixel, inverse_depth, slope, point.measured)) return false;
   grid_.occupy(in_newest);
   ++visible_;

@@ -43,7 +43,7 @@ std::vector<Step> runSteps(int delay) {
     std::size_t taken_in = 0;
     for (const MapperOutput& output : result.mapping) {
       if (output.residuals == 0) ++taken_in;  // else it is a piece of the refinement that the last one has caused
-      if (!output.reference || output.inserted_blur_px) continue;  // drafts are for live runs
+      if (!output.reference || output.inserted) continue;  // drafts are for live runs
       steps.at(reported.at(taken_in - 1)->frame->sequence).emitted = output.reference->id;
     }
   }

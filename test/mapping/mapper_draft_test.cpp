@@ -46,9 +46,9 @@ TEST(MapperDraft, AKeyframeWhoseViewIsBeingLeftDoesNotWaitForTheOneBefore) {
     const FrameConstPtr& next = frames().at(static_cast<std::size_t>(initial.frames_used + i));
     const MapperOutput output =
         mapper.process(report(next, TrackingStatus::kTracking, initial.output.reference->id, SE3::exp(turn)));
-    inserted += output.inserted_blur_px ? 1 : 0;
+    inserted += output.inserted ? 1 : 0;
     refined += output.keyframe ? 1 : 0;
-    EXPECT_EQ(output.inserted_blur_px.has_value(), output.reference != nullptr) << "a draft";
+    EXPECT_EQ(output.inserted, output.reference != nullptr) << "a draft";
   }
   EXPECT_GE(inserted, 2);
   EXPECT_EQ(refined, inserted - 1) << "those before had to do with what there was";

@@ -138,7 +138,7 @@ std::size_t framesUntilKeyframe(const std::vector<double>& pixel_errors) {
         report(next, TrackingStatus::kTracking, reference.id, reference.hint->trajectory.T_reference_mid);
     auto copy = std::make_shared<TrackedFrame>(*tracked);
     copy->pixel_error = pixel_errors[i];
-    if (mapper.process(copy).inserted_blur_px) return i + 1;
+    if (mapper.process(copy).inserted) return i + 1;
   }
   return 0;
 }

@@ -43,9 +43,10 @@ MapperStep firstMapStep(int residuals) {
   return step;
 }
 
-MapperStep insertionStep(double blur_px) {
+MapperStep insertionStep(int residuals) {
   MapperStep step = frameStep(TrackingStatus::kTracking);
-  step.output.inserted_blur_px = blur_px;
+  step.output.inserted = true;
+  step.output.residuals = residuals;
   return step;
 }
 
@@ -66,7 +67,7 @@ Machine made() {
   machine.first_map = 60.0;
   machine.depth_search = 4.0;
   machine.draft = 10.0;
-  machine.draft_per_px = 0.7;
+  machine.draft_per_1000 = 0.7;
   machine.iteration = 1.5;
   machine.iteration_per_1000 = 2.0;
   machine.keyframe = 15.0;
@@ -87,7 +88,7 @@ MachineMeter metered(const Machine& machine) {
   for (const int residuals : {0, 0, 2000, 5000}) add(searchForMapStep(residuals));
   add(firstMapStep(5000));
   for (const TrackingStatus status : {TrackingStatus::kTracking, TrackingStatus::kLost}) add(frameStep(status));
-  for (const double blur_px : {1.0, 5.0, 20.0}) add(insertionStep(blur_px));
+  for (const int residuals : {1000, 5000, 20000}) add(insertionStep(residuals));
   for (const int residuals : {1000, 5000, 20000}) add(iterationStep(residuals));
   MapperStep last = iterationStep(5000);
   last.output.keyframe = KeyframeReport();
@@ -108,7 +109,7 @@ TEST(MachineMeter, FindsTheMachineThatItWasMeasuredOn) {
   EXPECT_NEAR(found.first_map, 60.0, 1e-9);
   EXPECT_NEAR(found.depth_search, 4.0, 1e-9);
   EXPECT_NEAR(found.draft, 10.0, 1e-9);
-  EXPECT_NEAR(found.draft_per_px, 0.7, 1e-9);
+  EXPECT_NEAR(found.draft_per_1000, 0.7, 1e-9);
   EXPECT_NEAR(found.iteration, 1.5, 1e-9);
   EXPECT_NEAR(found.iteration_per_1000, 2.0, 1e-9);
   EXPECT_NEAR(found.keyframe, 15.0, 1e-9);

@@ -116,7 +116,7 @@ TEST(MapperPipeline, FramesComeBetweenThePiecesOfAKeyframe) {
     pipeline.addFrame(message(5, report(*next++, TrackingStatus::kTracking, first.reference->id, SE3::exp(turn))));
   };
   std::optional<MapperStep> step;
-  while (!step || !step->output.inserted_blur_px) {
+  while (!step || !step->output.inserted) {
     addFrame();
     step = pipeline.step();
     ASSERT_TRUE(step);

@@ -21,11 +21,12 @@ struct KeyframeReport {
   std::uint64_t frame_sequence = 0;
   std::int64_t mid_exposure_ns = 0;
   double blur_length_px = 0.0;
-  int points = 0;         // active points in the window afterwards
-  int residuals = 0;      // in the last optimisation
-  double rms = 0.0;       // of the window's residuals [grey levels]
-  double error_px = 0.0;  // shift of the image that would make such residuals [px]
-  DepthAgreement depths;  // of measured depths and images
+  int points = 0;                // active points in the window afterwards
+  int residuals = 0;             // in the last optimisation
+  int activation_residuals = 0;  // compared to find the depths of new points
+  double rms = 0.0;              // of the window's residuals [grey levels]
+  double error_px = 0.0;         // shift of the image that would make such residuals [px]
+  DepthAgreement depths;         // of measured depths and images
   std::optional<CalibrationEvidence> calibration;
   double depth_search_ms = 0.0;  // spent on frames since the last keyframe
   double activation_ms = 0.0;

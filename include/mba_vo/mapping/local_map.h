@@ -108,7 +108,7 @@ class LocalMap {
 
   void addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe);
   const PinholeCamera& cameraOf(KeyframeId keyframe) const { return keyframes_.at(keyframe).image->level(0).camera; }
-  void activatePoints();
+  int activatePoints();
   void alignBlurred(double blur_length_px);
   void beginOptimization(KeyframeReport& report);
   void iterate(KeyframeReport& report);

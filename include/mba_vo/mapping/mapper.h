@@ -17,8 +17,8 @@ namespace mba_vo {
 /// What one call of Mapper::process or Mapper::refine produced.
 struct MapperOutput {
   ReferenceConstPtr reference;                  // new snapshot for the tracker, or null
-  std::optional<double> inserted_blur_px;       // set if a keyframe was inserted: its blur
-  int residuals = 0;                            // that the optimisation went through
+  bool inserted = false;                        // a keyframe: the reference is a draft of it
+  int residuals = 0;                            // that the optimisation, or what it was instead, went through
   std::optional<KeyframeReport> keyframe;       // set if one has been refined, or had to do with what there was
   std::optional<SharpKeyframe> sharp_keyframe;  // set if one has been deblurred
   std::string message;                          // what happened, for the log and the status; may be empty

@@ -15,7 +15,7 @@ struct StepTime {
 /// How long the steps of the pipeline take on a machine. Times are those of one core [ms]. What decides about a step's
 /// time is counted, not measured, so that the same run always takes the same time. The defaults are those of a core of
 /// 2.1 GHz: medians of machine.yaml of `taskset --cpu-list 0 mba_vo_offline` over desk, shake, kitchen and spin, the
-/// other core busy as it is in live runs. That of `relocalize` is a guess: nothing was lost there.
+/// other core busy as it is in live runs; that of `relocalize` is of live runs of spin.
 struct Machine {
   double cores = 2.0;                  // that can be used at a time
   double image = 1.2;                  // a frame is made of an image
@@ -26,12 +26,12 @@ struct Machine {
   double look_for_map_per_1000 = 6.4;  // and for each thousand residuals of structure and motion
   double first_map = 60.0;             // and makes a map, with its second keyframe
   double depth_search = 5.2;           // depths are searched in a frame
-  double draft = 7.5;                  // a sharp keyframe is inserted
-  double draft_per_px = 0.14;          // and for each pixel of its blur
+  double draft = 4.0;                  // a keyframe is inserted
+  double draft_per_1000 = 2.0;         // and for each thousand residuals of new points
   double iteration = 0.0;              // a piece of the optimisation of the window
   double iteration_per_1000 = 1.2;     // and for each thousand residuals
   double keyframe = 9.8;               // the last piece of what is done with a keyframe
-  double relocalize = 12.0;            // a lost frame is looked for
+  double relocalize = 23.0;            // a lost frame is looked for
   double deferred = 4.9;               // a frame is tracked once more for the trajectory
 
   template <typename Config, typename Visitor>
@@ -46,8 +46,8 @@ struct Machine {
       "and for each thousand residuals of structure and motion [ms]");
     v("first_map", c.first_map, 0.0, 1e5, "and makes a map [ms]");
     v("depth_search", c.depth_search, 0.0, 1e4, "depths are searched in a frame [ms]");
-    v("draft", c.draft, 0.0, 1e4, "a sharp keyframe is inserted [ms]");
-    v("draft_per_px", c.draft_per_px, 0.0, 1e4, "and for each pixel of its blur [ms]");
+    v("draft", c.draft, 0.0, 1e4, "a keyframe is inserted [ms]");
+    v("draft_per_1000", c.draft_per_1000, 0.0, 1e4, "and for each thousand residuals of new points [ms]");
     v("iteration", c.iteration, 0.0, 1e4, "a piece of the optimisation of the window [ms]");
     v("iteration_per_1000", c.iteration_per_1000, 0.0, 1e4, "and for each thousand residuals [ms]");
     v("keyframe", c.keyframe, 0.0, 1e4, "the last piece of what is done with a keyframe [ms]");

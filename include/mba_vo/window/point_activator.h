@@ -21,9 +21,14 @@ class PointActivator {
   /// True if the keyframe sees so few points that any more are welcome: on fast turns what comes into view is blurred,
   /// and gone again before the search has found depths.
   bool isStarving(int wanted_points) const;
+  /// And so many that it needs no more.
+  bool isFull(int wanted_points) const { return visible_ >= wanted_points; }
   /// Those of the host whose depths have not been found, beginning with the depths of points around: the keyframes
   /// together tell more than the search in one frame after the other. Takes those away that were activated.
   void activateGuessed(KeyframeId host, std::vector<ImmaturePoint>& immature);
+
+  /// That were compared, of the points that were tried.
+  int residuals() const { return residuals_; }
 
  private:
   /// Where the newest keyframe sees the point; nullopt if it does not.
@@ -37,6 +42,8 @@ class PointActivator {
   SE3 T_newest_map_;
   SpacingGrid grid_;  // of the newest keyframe
   int visible_ = 0;   // points in it
+  int keyframes_;     // in the window
+  int residuals_ = 0;
 };
 
 }  // namespace mba_vo

@@ -96,8 +96,7 @@ void MapperWorker::publish(const MapperStep& step) {
     ROS_INFO_STREAM_COND(!output.message.empty(), output.message);
     status_.publish(pipeline_.queueBytes());
   }
-  const bool draft = output.inserted_blur_px.has_value();
-  if (output.reference && !draft) map_publisher_.publishKeyframe(*output.reference, camera_frame, stamp);
+  if (output.reference && !output.inserted) map_publisher_.publishKeyframe(*output.reference, camera_frame, stamp);
   if (output.sharp_keyframe) map_publisher_.publishSharpKeyframe(*output.sharp_keyframe, camera_frame);
   if (step.kind == MapperStep::Kind::kFrame || output.keyframe) {
     map_publisher_.publish(pipeline_.mapper(), step.cause.mount.T_base_camera, stamp);
