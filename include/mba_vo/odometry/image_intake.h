@@ -9,11 +9,11 @@
 #include "mba_vo/image/digital_gain.h"
 #include "mba_vo/image/frame_builder.h"
 #include "mba_vo/image/repeat_detector.h"
+#include "mba_vo/image/stamp_smoother.h"
 #include "mba_vo/image/static_overlay.h"
 #include "mba_vo/image/white_level.h"
 #include "mba_vo/odometry/camera_image.h"
 #include "mba_vo/odometry/input_guard.h"
-#include "mba_vo/odometry/stamp_smoother.h"
 
 namespace mba_vo {
 

@@ -1,4 +1,4 @@
-#include "mba_vo/odometry/stamp_smoother.h"
+#include "mba_vo/image/stamp_smoother.h"
 
 #include <algorithm>
 #include <cmath>
