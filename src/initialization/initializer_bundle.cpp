@@ -12,6 +12,7 @@ namespace mba_vo {
 namespace {
 
 constexpr double kBehindPenalty = 50.0;  // residual over sigma charged to a point behind a camera
+constexpr double kMinSigma = 0.1;        // [px]
 constexpr double kMinDepth = 1e-3;       // of R ray + w t, whose scale is that of a unit ray
 
 double huberLoss(double r, double k) { return r <= k ? 0.5 * r * r : k * (r - 0.5 * k); }
@@ -114,8 +115,9 @@ void apply(const BundleStep& step, Bundle& bundle) {
     SE3& T = bundle.views[v].T_view_reference;
     T = SE3::exp(step.poses.segment<6>(6 * static_cast<Eigen::Index>(v))) * T;
   }
-  for (Eigen::Index p = 0; p < step.depth.size(); ++p)
-    bundle.inverse_depth[static_cast<std::size_t>(p)] += step.depth[p];
+  for (std::size_t p = 0; p < bundle.inverse_depth.size(); ++p) {
+    bundle.inverse_depth[p] += step.depth[static_cast<Eigen::Index>(p)];
+  }
   if (bundle.findsRowTime()) bundle.setRowTime(bundle.row_time + step.poses[step.poses.size() - 1]);
 }
 
@@ -241,6 +243,12 @@ BundleSummary optimizePose(const Bundle& bundle, BundleView& view, const BundleO
   }
   summary.final_cost = cost;
   return summary;
+}
+
+void estimateSigmas(Bundle& bundle) {
+  for (BundleView& view : bundle.views) {
+    view.sigma = std::max(kMinSigma, median(reprojectionErrors(bundle, view)) / 1.177);
+  }
 }
 
 std::vector<double> inverseDepthVariances(const Bundle& bundle) {

@@ -16,7 +16,6 @@ namespace {
 constexpr std::size_t kMinViews = 5;
 constexpr double kRotationOnly = 0.2;  // share of the flow of min_parallax that rotation must leave unexplained
 constexpr double kOutlierSigmas = 3.5;
-constexpr double kMinSigma = 0.1;             // [px]
 constexpr double kMaxPointSigma = 0.5;        // of an inverse depth, relative; beyond it a point is no good
 constexpr double kClearWinner = 1.15;         // cost of the best different solution over that of the best
 constexpr double kMinPositive = 0.9;          // share of the points that must lie in front of the reference
@@ -34,13 +33,6 @@ std::string format(const char* text, double a, double b) {
   char buffer[160];
   std::snprintf(buffer, sizeof(buffer), text, a, b);
   return buffer;
-}
-
-/// Standard deviation of each view's observations from the median error; the errors are Rayleigh-distributed.
-void estimateSigmas(Bundle& bundle) {
-  for (BundleView& view : bundle.views) {
-    view.sigma = std::max(kMinSigma, median(reprojectionErrors(bundle, view)) / 1.177);
-  }
 }
 
 /// Forgets observations that do not fit and points that keep fewer than three.

@@ -11,6 +11,11 @@ constexpr double kParallelOptimisation = 0.6;
 
 double thousands(const MapperOutput& output) { return 1e-3 * output.residuals; }
 
+bool beginsMap(const MapperStep& step) {
+  const ReferenceConstPtr& reference = step.output.reference;
+  return reference && reference->cause == ReferenceCause::kMapBegins;
+}
+
 bool searchesDepths(const MapperStep& step) {
   const TrackedFrame& tracked = *step.cause.tracked;
   return tracked.tracked() && !tracked.provisional && step.had_time;
@@ -41,15 +46,15 @@ StepTime Machine::timeFor(const MapperStep& step) const {
       if (searchesDepths(step)) search = depth_search;
       break;
     case MapperStep::Kind::kRefinement:
-      if (output.residuals > 0 && !output.keyframe && !output.inserted)
+      if (output.residuals > 0 && !output.keyframe && !output.inserted) {
         optimisation = iteration + iteration_per_1000 * thousands(output);
+      }
       break;
     case MapperStep::Kind::kPassed:
       break;
   }
-  const bool begins = step.cause.tracked && step.cause.tracked->status == TrackingStatus::kInitializing;
   if (output.inserted) serial += draft + draft_per_1000 * thousands(output);
-  if (output.keyframe && !begins) serial += keyframe;
+  if (output.keyframe && !beginsMap(step)) serial += keyframe;
   const double parallel = kParallelSearch * search + kParallelOptimisation * optimisation;
   serial += search + optimisation - parallel;
   return {kSecondsPerMillisecond * serial, kSecondsPerMillisecond * parallel};
@@ -60,8 +65,8 @@ double Machine::millisecondsWithoutMap(const MapperStep& step) const {
   const TrackedFrame& tracked = *step.cause.tracked;
   if (tracked.status == TrackingStatus::kLost) return tracked.blind ? 0.0 : relocalize;
   if (tracked.status != TrackingStatus::kInitializing || !step.had_time || step.cause.has_reference) return 0.0;
-  const bool found = step.output.reference && step.output.reference->cause == ReferenceCause::kMapBegins;
-  return look_for_map + look_for_map_per_1000 * thousands(step.output) + (found ? first_map : 0.0);
+  const double attempt = look_for_map + look_for_map_per_1000 * thousands(step.output);
+  return beginsMap(step) ? attempt + first_map : attempt;
 }
 
 Machine Machine::slowedBy(double factor) const {

@@ -163,7 +163,7 @@ void expectTruth(const Scene& scene, double translation, const InitialMap& map, 
   ASSERT_GE(map.poses.size(), 5U);
   for (const InitialMap::Pose& pose : map.poses) {
     const SE3 truth = T_world_reference.inverse() * poseAt(pose.frame->midExposureSeconds(), translation);
-    EXPECT_LT((scale * pose.T_reference_frame.translation() - truth.translation()).norm(), 0.06 * longest);
+    EXPECT_LT((scale * pose.T_reference_frame.translation() - truth.translation()).norm(), 0.05 * longest);
     EXPECT_LT(pose.T_reference_frame.rotation().angularDistance(truth.rotation()), 0.005);
     EXPECT_NE(pose.frame, map.reference);
   }

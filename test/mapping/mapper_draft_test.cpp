@@ -48,6 +48,9 @@ TEST(MapperDraft, AKeyframeWhoseViewIsBeingLeftDoesNotWaitForTheOneBefore) {
         mapper.process(report(next, TrackingStatus::kTracking, initial.output.reference->id, SE3::exp(turn)));
     inserted += output.inserted ? 1 : 0;
     refined += output.keyframe ? 1 : 0;
+    if (output.keyframe) {
+      EXPECT_EQ(output.keyframe->residuals, 0) << "an optimisation was begun for nothing";
+    }
     EXPECT_EQ(output.inserted, output.reference != nullptr) << "a draft";
   }
   EXPECT_GE(inserted, 2);

@@ -118,6 +118,23 @@ TEST(MachineMeter, FindsTheMachineThatItWasMeasuredOn) {
   EXPECT_EQ(found.orientation, Machine().orientation) << "there was none";
 }
 
+TEST(Machine, OnlySearchAndOptimisationAreShared) {
+  const Machine machine = made();
+  EXPECT_GT(machine.timeFor(iterationStep(5000)).parallel, machine.timeFor(iterationStep(5000)).serial);
+  EXPECT_GT(machine.timeFor(frameStep(TrackingStatus::kTracking)).parallel, 0.0);
+  for (const MapperStep& step : {insertionStep(5000), searchForMapStep(5000), frameStep(TrackingStatus::kLost)}) {
+    const bool searches = step.cause.tracked->tracked();
+    EXPECT_NEAR(machine.timeFor(step).parallel, searches ? 1e-3 * 0.86 * machine.depth_search : 0.0, 1e-12);
+  }
+}
+
+TEST(Machine, AKeyframeTakesItsTimeAlsoWhileTheTrackerHasNoReference) {
+  MapperStep last = frameStep(TrackingStatus::kInitializing);
+  last.kind = MapperStep::Kind::kRefinement;
+  last.output.keyframe = KeyframeReport();
+  EXPECT_NEAR(made().timeFor(last).sum(), 1e-3 * made().keyframe, 1e-12);
+}
+
 TEST(MachineMeter, TwiceAsSlowIsTwiceAsSlow) {
   const Machine found = metered(made().slowedBy(2.0)).machine();
   EXPECT_NEAR(found.track_per_px, 1.0, 1e-9);

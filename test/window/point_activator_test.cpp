@@ -54,6 +54,19 @@ TEST_F(PointActivatorTest, TellsWhenPointsAreShort) {
   EXPECT_FALSE(activator.isStarving(known_));
 }
 
+TEST_F(PointActivatorTest, TellsWhenThereAreEnoughAndWhatThatTook) {
+  PointActivator activator(window_, camera_, 2, 6.0);
+  EXPECT_FALSE(activator.isFull(known_ + 1));
+  EXPECT_EQ(activator.residuals(), 0);
+  const std::size_t tries = candidates_.size();
+  activator.activateGuessed(0, candidates_);
+  const int added = window_.pointCount() - known_;
+  EXPECT_TRUE(activator.isFull(added));
+  EXPECT_FALSE(activator.isFull(known_ + added + 1));
+  EXPECT_GE(activator.residuals(), 2 * added) << "two other keyframes";
+  EXPECT_LE(activator.residuals(), 2 * static_cast<int>(tries));
+}
+
 TEST_F(PointActivatorTest, FindsDepthsFromThoseAround) {
   PointActivator activator(window_, camera_, 2, 6.0);
   const std::size_t before = candidates_.size();

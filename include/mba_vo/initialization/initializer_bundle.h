@@ -70,6 +70,9 @@ BundleSummary optimizePose(const Bundle& bundle, BundleView& view, const BundleO
 /// Reprojection errors of the observed points [px]; infinite behind the camera.
 std::vector<double> reprojectionErrors(const Bundle& bundle, const BundleView& view);
 
+/// Sets the standard deviation of each view's observations by the median error; the errors are Rayleigh-distributed.
+void estimateSigmas(Bundle& bundle);
+
 /// Variance of each inverse depth with the poses held fixed [1/m^2]; infinite where unobserved.
 std::vector<double> inverseDepthVariances(const Bundle& bundle);
 

@@ -15,7 +15,8 @@ struct StepTime {
 /// How long the steps of the pipeline take on a machine. Times are those of one core [ms]. What decides about a step's
 /// time is counted, not measured, so that the same run always takes the same time. The defaults are those of a core of
 /// 2.1 GHz: medians of machine.yaml of `taskset --cpu-list 0 mba_vo_offline` over desk, shake, kitchen and spin, the
-/// other core busy as it is in live runs; that of `relocalize` is of live runs of spin.
+/// other core busy as it is in live runs, rounded. `relocalize` is of live runs of spin, and `look_for_map_per_1000` of
+/// kitchen: elsewhere too few frames were lost, or tries made.
 struct Machine {
   double cores = 2.0;                  // that can be used at a time
   double image = 1.2;                  // a frame is made of an image
