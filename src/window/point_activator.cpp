@@ -1,6 +1,8 @@
 #include "mba_vo/window/point_activator.h"
 
 #include <algorithm>
+#include <numeric>
+#include <utility>
 
 namespace mba_vo {
 namespace {
@@ -9,9 +11,15 @@ constexpr double kUnrefinedVariance = 1.0;  // of an inverse depth not refined y
 constexpr double kStarving = 0.35;          // share of the points wanted
 constexpr double kHostBorder = 2.0;         // [px]
 
-template <typename Predicate>
-void eraseIf(std::vector<ImmaturePoint>& points, const Predicate& isDone) {
-  points.erase(std::remove_if(points.begin(), points.end(), isDone), points.end());
+void eraseMarked(std::vector<ImmaturePoint>& points, const std::vector<bool>& marked) {
+  auto mark = marked.begin();
+  points.erase(std::remove_if(points.begin(), points.end(), [&](const ImmaturePoint&) { return *mark++; }),
+               points.end());
+}
+
+NewPoint newPoint(KeyframeId host, const ImmaturePoint& point, double inverse_depth, const SurfaceSlopes& slopes) {
+  const Eigen::Vector2d pixel = point.pixel.cast<double>();
+  return {host, pixel, inverse_depth, slopes.at(pixel, inverse_depth, kUnrefinedVariance), point.measured};
 }
 
 }  // namespace
@@ -32,16 +40,23 @@ PointActivator::PointActivator(Window& window, const PinholeCamera& camera, Keyf
 void PointActivator::activateFound(KeyframeId host, std::vector<ImmaturePoint>& immature) {
   std::optional<SurfaceSlopes> slopes;  // few hosts need any
   const SE3 T_newest_host = T_newest_map_ * window_.T_map_keyframe(host);
-  eraseIf(immature, [&](const ImmaturePoint& point) {
-    if (point.state == ImmaturePoint::State::kOutlier) return true;
-    if (!isReadyToActivate(point)) return false;
+  std::vector<bool> gone(immature.size());
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < immature.size(); ++i) {
+    const ImmaturePoint& point = immature[i];
+    gone[i] = point.state == ImmaturePoint::State::kOutlier;
+    if (gone[i] || !isReadyToActivate(point)) continue;
     const auto seen = see(T_newest_host, point, point.inverseDepth());
-    if (!seen) return true;
-    if (!grid_.isFree(*seen)) return false;
+    gone[i] = !seen;
+    if (!seen || !grid_.isFree(*seen)) continue;
     if (!slopes) slopes.emplace(camera_, pointsSeenBy(window_, known_, camera_, host));
-    activate(host, point, point.inverseDepth(), *slopes, *seen);
-    return true;
-  });
+    candidates.push_back({i, newPoint(host, point, point.inverseDepth(), *slopes), *seen});
+  }
+  const std::vector<Outcome> outcomes = activate(candidates);
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    if (outcomes[c] != Outcome::kNotTried) gone[candidates[c].immature] = true;
+  }
+  eraseMarked(immature, gone);
 }
 
 bool PointActivator::isStarving(int wanted_points) const { return visible_ < kStarving * wanted_points; }
@@ -52,11 +67,18 @@ void PointActivator::activateGuessed(KeyframeId host, std::vector<ImmaturePoint>
   if (!depths.known()) return;
   const SurfaceSlopes slopes(camera_, known);
   const SE3 T_newest_host = T_newest_map_ * window_.T_map_keyframe(host);
-  eraseIf(immature, [&](const ImmaturePoint& point) {
-    const double guess = depths.at(point.pixel.cast<double>());
-    const auto seen = see(T_newest_host, point, guess);
-    return seen && grid_.isFree(*seen) && activate(host, point, guess, slopes, *seen);
-  });
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < immature.size(); ++i) {
+    const double guess = depths.at(immature[i].pixel.cast<double>());
+    const auto seen = see(T_newest_host, immature[i], guess);
+    if (seen && grid_.isFree(*seen)) candidates.push_back({i, newPoint(host, immature[i], guess, slopes), *seen});
+  }
+  const std::vector<Outcome> outcomes = activate(candidates);
+  std::vector<bool> activated(immature.size());
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    activated[candidates[c].immature] = outcomes[c] == Outcome::kActivated;
+  }
+  eraseMarked(immature, activated);
 }
 
 std::optional<Eigen::Vector2d> PointActivator::see(const SE3& T_newest_host, const ImmaturePoint& point,
@@ -67,15 +89,38 @@ std::optional<Eigen::Vector2d> PointActivator::see(const SE3& T_newest_host, con
   return camera_.contains(pixel, kHostBorder) ? std::optional<Eigen::Vector2d>(pixel) : std::nullopt;
 }
 
-bool PointActivator::activate(KeyframeId host, const ImmaturePoint& point, double inverse_depth,
-                              const SurfaceSlopes& slopes, const Eigen::Vector2d& in_newest) {
-  const Eigen::Vector2d pixel = point.pixel.cast<double>();
-  const Eigen::Vector2d slope = slopes.at(pixel, inverse_depth, kUnrefinedVariance);
-  residuals_ += keyframes_ - 1;
-  if (!window_.activatePoint(host, pixel, inverse_depth, slope, point.measured)) return false;
-  grid_.occupy(in_newest);
-  ++visible_;
-  return true;
+std::vector<PointActivator::Outcome> PointActivator::activate(const std::vector<Candidate>& candidates) {
+  std::vector<Outcome> outcomes(candidates.size(), Outcome::kNotTried);
+  std::vector<std::size_t> waiting(candidates.size());
+  std::iota(waiting.begin(), waiting.end(), std::size_t{0});
+  for (auto round = nextRound(candidates, waiting); !round.empty(); round = nextRound(candidates, waiting)) {
+    std::vector<NewPoint> points;
+    for (const std::size_t c : round) points.push_back(candidates[c].point);
+    const std::vector<bool> added = window_.activatePoints(points);
+    for (std::size_t i = 0; i < round.size(); ++i) {
+      outcomes[round[i]] = added[i] ? Outcome::kActivated : Outcome::kRefused;
+      if (!added[i]) continue;
+      grid_.occupy(candidates[round[i]].in_newest);
+      ++visible_;
+    }
+    residuals_ += static_cast<int>(round.size()) * (keyframes_ - 1);
+  }
+  return outcomes;
+}
+
+std::vector<std::size_t> PointActivator::nextRound(const std::vector<Candidate>& candidates,
+                                                   std::vector<std::size_t>& waiting) const {
+  SpacingGrid taken = grid_;
+  std::vector<std::size_t> now;
+  std::vector<std::size_t> later;
+  for (const std::size_t c : waiting) {
+    const Eigen::Vector2d& pixel = candidates[c].in_newest;
+    if (!grid_.isFree(pixel)) continue;
+    (taken.isFree(pixel) ? now : later).push_back(c);
+    taken.occupy(pixel);
+  }
+  waiting = std::move(later);
+  return now;
 }
 
 }  // namespace mba_vo

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "mba_vo/image/parallel_for.h"
 #include "mba_vo/window/gauge_fixing.h"
 #include "mba_vo/window/imaging_system.h"
 #include "mba_vo/window/keyframe_image_error.h"
@@ -193,13 +194,17 @@ PointId Window::addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double i
   return impl_->insert(std::move(point));
 }
 
-std::optional<PointId> Window::activatePoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,
-                                             const Eigen::Vector2d& slope, const MeasuredDepth& measured) {
-  if (!(inverse_depth > 0.0) || !std::isfinite(inverse_depth)) return std::nullopt;
-  std::optional<PointState> point = impl_->activation_.activate(
-      impl_->state_, impl_->pairs(), impl_->state_.indexOf(host), pixel, inverse_depth, slope, measured);
-  if (!point) return std::nullopt;
-  return impl_->insert(std::move(*point));
+std::vector<bool> Window::activatePoints(const std::vector<NewPoint>& points) {
+  const std::vector<PairGeometry>& pairs = impl_->pairs();
+  std::vector<std::optional<PointState>> found(points.size());
+  parallelFor(points.size(),
+              [&](std::size_t i) { found[i] = impl_->activation_.activate(impl_->state_, pairs, points[i]); });
+  std::vector<bool> added;
+  for (std::optional<PointState>& point : found) {
+    added.push_back(point.has_value());
+    if (point) impl_->insert(std::move(*point));
+  }
+  return added;
 }
 
 void Window::addResidualsTo(KeyframeId target) {

@@ -21,6 +21,7 @@ WindowPointActivation::Evaluation WindowPointActivation::evaluate(const WindowSt
   PatchComparison comparison;
   for (PatchResidual& residual : point.residuals) {
     const PairGeometry& pair = pairs[static_cast<std::size_t>(point.host * state.size() + residual.target)];
+    if (!place_pixels && std::isnan(residual.energy)) continue;  // what could not be seen before the step
     const double limit = state.keyframe(residual.target).outlier_energy;
     if (place_pixels && (!residual.has_pixels || hasDrifted(residual))) {
       placePixels(pair, point.pixel, point.inverse_depth, residual_options_, residual, point.slope);
@@ -56,19 +57,18 @@ bool WindowPointActivation::acceptable(const WindowState& state, const PointStat
 }
 
 std::optional<PointState> WindowPointActivation::activate(const WindowState& state,
-                                                          const std::vector<PairGeometry>& pairs, int host,
-                                                          const Eigen::Vector2d& pixel, double inverse_depth,
-                                                          const Eigen::Vector2d& slope,
-                                                          const MeasuredDepth& measured) const {
+                                                          const std::vector<PairGeometry>& pairs,
+                                                          const NewPoint& candidate) const {
+  if (!(candidate.inverse_depth > 0.0) || !std::isfinite(candidate.inverse_depth)) return std::nullopt;
   PointState point;
-  point.host = host;
-  point.pixel = pixel;
-  point.inverse_depth = inverse_depth;
-  point.slope = slope;
-  point.measured = measured;
+  point.host = state.indexOf(candidate.host);
+  point.pixel = candidate.pixel;
+  point.inverse_depth = candidate.inverse_depth;
+  point.slope = candidate.slope;
+  point.measured = candidate.measured;
   point.residuals.resize(state.keyframes.size() - 1);
   for (int t = 0; t < state.size(); ++t) {
-    if (t != host) point.residuals[static_cast<std::size_t>(t < host ? t : t - 1)].target = t;
+    if (t != point.host) point.residuals[static_cast<std::size_t>(t < point.host ? t : t - 1)].target = t;
   }
   // Pixels follow the point between steps; before and after one step the same are compared.
   Evaluation current = evaluate(state, pairs, true, point);
@@ -76,7 +76,7 @@ std::optional<PointState> WindowPointActivation::activate(const WindowState& sta
   PointState trial;
   for (int i = 0; i < options_.max_iterations && current.H > 0.0; ++i) {
     const double factor = 1.0 - current.b / (current.H * (1.0 + lambda)) / point.inverse_depth;
-    if (std::abs(factor - 1.0) < options_.min_relative_step) break;
+    if (current.b * current.b < options_.min_relative_decrease * current.cost * current.H) break;
     trial = point;
     trial.inverse_depth *= std::clamp(factor, 1.0 / kMaxRefinedFactor, kMaxRefinedFactor);
     const Evaluation tried = evaluate(state, pairs, false, trial);

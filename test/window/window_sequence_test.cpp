@@ -79,8 +79,10 @@ class SlidingRun {
   }
 
   void activatePoints(KeyframeId id) {
-    forEachPoint(id,
-                 [&](const Eigen::Vector2d& x, double d) { activated_ += window_.activatePoint(id, x, d) ? 1 : 0; });
+    std::vector<NewPoint> points;
+    forEachPoint(id, [&](const Eigen::Vector2d& x, double d) { points.push_back({id, x, d}); });
+    const std::vector<bool> added = window_.activatePoints(points);
+    activated_ += static_cast<int>(std::count(added.begin(), added.end(), true));
   }
 
   template <typename F>

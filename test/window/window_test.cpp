@@ -223,6 +223,35 @@ TEST(Window, OccludedViewsBecomeOutliers) {
   EXPECT_LT(largestPositionError(window), 2e-3);
 }
 
+TEST(Window, PointsTriedSideBySideAreThoseTriedInTurn) {
+  Disturbance truth;
+  truth.pose_noise = 0.0;
+  truth.depth_noise = 0.0;
+  truth.step = 40;
+  Window together(WindowConfig(), true);
+  Window in_turn(WindowConfig(), true);
+  const Views& v = views();
+  std::vector<NewPoint> candidates;
+  for (int x = 30; x < v.camera.width - 30; x += 7) {
+    candidates.push_back({2, {x, 50}, 1.05 * v.scene.inverseDepth(v.camera, v.truth[2], {x, 50})});
+  }
+  for (Window* window : {&together, &in_turn}) {
+    fill(*window, keyframesOf(views().sharp, views().sharp, false), truth);
+    window->optimize(5);
+  }
+  const std::vector<bool> added = together.activatePoints(candidates);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    EXPECT_EQ(in_turn.activatePoints({candidates[i]}).front(), added[i]);
+  }
+  const std::vector<WindowPoint> points = together.points();
+  const std::vector<WindowPoint> expected = in_turn.points();
+  ASSERT_EQ(points.size(), expected.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(points[i].pixel, expected[i].pixel);
+    EXPECT_EQ(points[i].inverse_depth, expected[i].inverse_depth);
+  }
+}
+
 TEST(Window, ActivationRefinesDepthAndRefusesBadPoints) {
   Disturbance truth;
   truth.pose_noise = 0.0;
@@ -238,14 +267,14 @@ TEST(Window, ActivationRefinesDepthAndRefusesBadPoints) {
     for (int x = 30; x < v.camera.width - 30; x += 11) {
       const double d = v.scene.inverseDepth(v.camera, v.truth[2], {x, y});
       ++tried;
-      const std::optional<PointId> id = window.activatePoint(2, {x, y}, d * std::exp(random.normal(0.05)));
-      if (id && std::abs(window.points().back().inverse_depth / d - 1.0) < 0.02) ++good;
-      accepted_wrong += window.activatePoint(2, {x, y}, 4.0 * d) ? 1 : 0;
+      const bool added = window.activatePoints({{2, {x, y}, d * std::exp(random.normal(0.05))}}).front();
+      if (added && std::abs(window.points().back().inverse_depth / d - 1.0) < 0.02) ++good;
+      accepted_wrong += window.activatePoints({{2, {x, y}, 4.0 * d}}).front() ? 1 : 0;
     }
   }
   EXPECT_GT(good, tried * 8 / 10);
   EXPECT_LT(accepted_wrong, tried / 10);
-  EXPECT_FALSE(window.activatePoint(2, {100, 100}, -1.0));
+  EXPECT_FALSE(window.activatePoints({{2, {100, 100}, -1.0}}).front());
 }
 
 TEST(Window, KeepsItsSizeAndTheTwoNewestKeyframes) {

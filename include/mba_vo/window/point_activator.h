@@ -9,7 +9,8 @@
 
 namespace mba_vo {
 
-/// Activates immature points that the window's newest keyframe sees, where it has no points yet.
+/// Activates immature points that the window's newest keyframe sees, where it has no points yet. A try changes nothing
+/// but its own point: the first ones of all free cells are tried side by side, then the next ones of those still free.
 class PointActivator {
  public:
   /// `camera`: of all keyframes. The window must outlive the activator. `distance_px`: between points.
@@ -31,10 +32,18 @@ class PointActivator {
   int residuals() const { return residuals_; }
 
  private:
+  enum class Outcome { kNotTried, kRefused, kActivated };
+  struct Candidate {
+    std::size_t immature;  // its number
+    NewPoint point;
+    Eigen::Vector2d in_newest;  // where the newest keyframe sees it [px]
+  };
+
   /// Where the newest keyframe sees the point; nullopt if it does not.
   std::optional<Eigen::Vector2d> see(const SE3& T_newest_host, const ImmaturePoint& point, double inverse_depth) const;
-  bool activate(KeyframeId host, const ImmaturePoint& point, double inverse_depth, const SurfaceSlopes& slopes,
-                const Eigen::Vector2d& in_newest);
+  std::vector<Outcome> activate(const std::vector<Candidate>& candidates);
+  /// Those that are tried now, of the candidates `waiting`; leaves in it those for later.
+  std::vector<std::size_t> nextRound(const std::vector<Candidate>& candidates, std::vector<std::size_t>& waiting) const;
 
   Window& window_;
   std::vector<WindowPoint> known_;  // before any is activated

@@ -82,6 +82,15 @@ struct KeyframeMotion {
   Vector6 xi = Vector6::Zero();  // motion within its exposure, camera frame [m, rad]
 };
 
+/// A point that may enter the window.
+struct NewPoint {
+  KeyframeId host = 0;
+  Eigen::Vector2d pixel;       // in the host
+  double inverse_depth = 0.0;  // where its refinement begins; what is not positive is refused
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+  MeasuredDepth measured{};
+};
+
 /// State of one active point, for callers.
 struct WindowPoint {
   PointId id = 0;
@@ -123,11 +132,9 @@ class Window {
   /// Measured depths give the window their scale; without any it keeps that of its first keyframes.
   PointId addPoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,
                    const MeasuredDepth& measured = {});
-  /// Refines the inverse depth of a new point against all keyframes, poses fixed, and adds the point if enough of them
-  /// agree and its depth is well determined.
-  std::optional<PointId> activatePoint(KeyframeId host, const Eigen::Vector2d& pixel, double inverse_depth,
-                                       const Eigen::Vector2d& slope = Eigen::Vector2d::Zero(),
-                                       const MeasuredDepth& measured = {});
+  /// Refines the inverse depths of new points against all keyframes, poses fixed, side by side, and adds those on which
+  /// enough keyframes agree and whose depth is well determined. Returns for each whether it was added.
+  std::vector<bool> activatePoints(const std::vector<NewPoint>& points);
   /// Sets the slopes of the surface at `points`, all of them, see PointState; nullopt: it stays.
   void setSlopes(const std::vector<WindowPoint>& points,
                  const std::function<std::optional<Eigen::Vector2d>(const WindowPoint&)>& slopeOf);

@@ -11,7 +11,7 @@ struct WindowPointActivationOptions {
   int min_good_residuals = 1;
   double min_good_fraction = 0.5;           // of the residuals whose patch is inside both images
   double min_relative_information = 100.0;  // inverse depth^2 times its information
-  double min_relative_step = 1e-4;          // of the inverse depth; a smaller one is not worth a step
+  double min_relative_decrease = 2e-3;      // of the cost, expected of a step; with 6e-3 `spin` had twice the error
 };
 
 /// Finds the inverse depth of one point by Gauss-Newton on its residuals in all other keyframes, all poses fixed.
@@ -22,10 +22,8 @@ class WindowPointActivation {
       : residual_options_(residual_options), options_(options) {}
 
   /// `pairs`: of all keyframes at the current state.
-  std::optional<PointState> activate(const WindowState& state, const std::vector<PairGeometry>& pairs, int host,
-                                     const Eigen::Vector2d& pixel, double inverse_depth,
-                                     const Eigen::Vector2d& slope = Eigen::Vector2d::Zero(),
-                                     const MeasuredDepth& measured = {}) const;
+  std::optional<PointState> activate(const WindowState& state, const std::vector<PairGeometry>& pairs,
+                                     const NewPoint& candidate) const;
 
  private:
   struct Evaluation {
