@@ -9,6 +9,8 @@ namespace {
 constexpr double kNoticeableShift = 0.5;     // [px]
 constexpr double kNoticeableLight = 0.02;    // of its logarithm
 constexpr double kNoticeableReadout = 1e-3;  // [s]
+constexpr int kGrid = 8;                     // of places in the image, that stand for all
+constexpr double kNothing = 1e-9;            // what rounding leaves of a correction, in its units
 
 }  // namespace
 
@@ -18,6 +20,37 @@ bool isNoticeable(const CalibrationCorrection& correction, const PinholeCamera& 
   const double halfway = correction.vignette().dot(CalibrationCorrection::Vignette(0.5, 0.25, 0.125));
   return shift.norm() > kNoticeableShift || std::max(std::abs(in_corner), std::abs(halfway)) > kNoticeableLight ||
          std::abs(correction[CalibrationCorrection::kRowTime]) * camera.height > kNoticeableReadout;
+}
+
+CalibrationCorrection pinholePart(const CalibrationCorrection& correction, const PinholeCamera& camera) {
+  CalibrationCorrection part;
+  for (const auto i :
+       {CalibrationCorrection::kCentreX, CalibrationCorrection::kCentreY, CalibrationCorrection::kRowTime}) {
+    part.values(i) = correction[i];
+  }
+  double squares = 0.0;
+  double radial = 0.0;  // by least squares of the shift of pixels
+  for (int row = 0; row < kGrid; ++row) {
+    for (int column = 0; column < kGrid; ++column) {
+      const Eigen::Vector3d ray =
+          camera.unproject({(column + 0.5) / kGrid * camera.width - 0.5, (row + 0.5) / kGrid * camera.height - 0.5});
+      const double r2 = ray.head<2>().squaredNorm();
+      squares += r2;
+      radial += r2 * r2 * (correction[CalibrationCorrection::kK1] + r2 * correction[CalibrationCorrection::kK2]);
+    }
+  }
+  part.values(CalibrationCorrection::kFocal) = correction[CalibrationCorrection::kFocal] + radial / squares;
+  return part.values.isZero(kNothing) ? CalibrationCorrection() : part;
+}
+
+PinholeCamera withCorrection(const PinholeCamera& camera, const CalibrationCorrection& lacking) {
+  PinholeCamera corrected = camera;
+  corrected.cx += camera.fx * lacking[CalibrationCorrection::kCentreX];
+  corrected.cy += camera.fy * lacking[CalibrationCorrection::kCentreY];
+  corrected.fx *= 1.0 + lacking[CalibrationCorrection::kFocal];
+  corrected.fy *= 1.0 + lacking[CalibrationCorrection::kFocal];
+  corrected.row_time += lacking[CalibrationCorrection::kRowTime];
+  return corrected;
 }
 
 Eigen::Matrix<double, 2, CalibrationCorrection::kDim> lensJacobian(const PinholeCamera& camera,

@@ -41,10 +41,11 @@ ImagePyramid::ImagePyramid(const cv::Mat1f& intensity, const PinholeCamera& came
   }
 }
 
-void ImagePyramid::addRowTime(double row_time) {
+void ImagePyramid::correctCamera(const CalibrationCorrection& lacking) {
+  CalibrationCorrection at_level = lacking;
   for (ImageLevel& level : levels_) {
-    level.camera.row_time += row_time;
-    row_time *= 2.0;
+    level.camera = withCorrection(level.camera, at_level);
+    at_level.values(CalibrationCorrection::kRowTime) *= 2.0;
   }
 }
 

@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kHostsSearched = 5;             // the newest: what an older one has not found by then is out of sight
 constexpr std::size_t kPointsPerSearch = 64;  // in one piece of parallel work
+constexpr double kSameExposure = 0.03;        // of its logarithm: a smaller change is not worth reading images again
 
 /// As it would enter a window; its id is left open.
 WindowKeyframe windowKeyframe(const FrameConstPtr& frame, const SE3& T_map_camera, const BodyMotion& motion,
@@ -44,7 +45,8 @@ LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initi
       next_keyframe_(place.keyframe) {
   window_.setCorrection(calibration_.correction());
   const FrameConstPtr& frame = initial.reference;
-  addKeyframe(frame, windowKeyframe(frame, place.T_map_keyframe, reference_motion, place.brightness));
+  addKeyframe(frame, windowKeyframe(frame, place.T_map_keyframe, reference_motion, place.brightness),
+              frame->exposure.has_value());
   for (const ReferencePoint& point : initial.points) {
     const MeasuredDepth depth{static_cast<double>(point.inverse_depth), static_cast<double>(point.variance)};
     window_.addPoint(newestKeyframe(), point.pixel.cast<double>(), depth.inverse_depth,
@@ -68,17 +70,45 @@ std::optional<ExposureTrajectory> LocalMap::align(const TrackedFrame& tracked) c
   return ExposureTrajectory{T_map_reference.inverse() * found->T_map_keyframe, found->xi / exposure, exposure};
 }
 
-void LocalMap::addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe) {
+void LocalMap::addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe, bool exposure_told) {
   keyframe.id = next_keyframe_++;
   // It has the whole motion in it, until it is replaced by a sharp one.
   if (config_.commute_blur) keyframe.image_xi = keyframe.xi;
   window_.addKeyframe(keyframe);
-  keyframes_[keyframe.id] = {frame, keyframe.original, {}};
+  const auto untold = exposure_told ? std::nullopt : std::make_optional(frame->exposure.value_or(0.0));
+  keyframes_[keyframe.id] = {frame, keyframe.original, untold, {}};
+}
+
+/// As is known now [s].
+std::optional<double> LocalMap::exposureOf(const HostKeyframe& keyframe) {
+  return keyframe.exposure.value_or(0.0) > 0.0 ? keyframe.exposure : keyframe.frame->exposure;
+}
+
+/// Of keyframes that were made when less was known, the first ones for sharp.
+void LocalMap::reviseExposures(const ExposureHistory& exposures) {
+  for (auto& [id, keyframe] : keyframes_) {
+    if (!keyframe.exposure) continue;
+    const double exposure = exposures.exposureAt(keyframe.frame->midExposureSeconds());
+    if (std::abs(std::log(exposure / *keyframe.exposure)) < kSameExposure) continue;
+    window_.setExposure(id, exposure, config_.commute_blur && keyframe.image.get() == &keyframe.frame->pyramid);
+    keyframe.exposure = exposure;
+  }
+}
+
+/// The image of a keyframe that was made with an earlier correction shows everything a little beside its place.
+std::shared_ptr<const ImagePyramid> LocalMap::imageAsKnownNow(const HostKeyframe& keyframe) const {
+  const CalibrationCorrection lacking =
+      pinholePart(keyframe.frame->correction.lacks(calibration_.correction()), keyframe.image->level(0).camera);
+  if (lacking.isZero()) return keyframe.image;
+  const auto image = std::make_shared<ImagePyramid>(*keyframe.image);
+  image->correctCamera(lacking);
+  return image;
 }
 
 void LocalMap::searchDepths(const TrackedFrame& tracked) {
   const StageClock::time_point begin = StageClock::now();
   const SE3 T_map_frame = T_map_camera(tracked);
+  const FrameConstPtr frame = withCamera(tracked.frame, calibration_.correction());
   const auto hosts = std::min<std::ptrdiff_t>(kHostsSearched, std::distance(keyframes_.begin(), keyframes_.end()));
   for (auto keyframe = std::prev(keyframes_.end(), hosts); keyframe != keyframes_.end(); ++keyframe) {
     const KeyframeId id = keyframe->first;
@@ -88,10 +118,11 @@ void LocalMap::searchDepths(const TrackedFrame& tracked) {
     const AffineBrightness host_brightness = window_.brightness(id);
     const double gain = std::exp(tracked.brightness.a - host_brightness.a);
     const double offset = tracked.brightness.b - gain * host_brightness.b;
-    const ImagePyramid& image = tracked.frame->pyramid;
-    const VignetteRatio vignette(host.image->level(0).camera, host.frame->correction.lacks(calibration_.correction()),
-                                 image.level(0).camera, tracked.frame->correction.lacks(calibration_.correction()));
-    const DepthSearcher searcher(*host.image, image, in_host, gain, offset, config_.depth_search, window_.motion(id),
+    const std::shared_ptr<const ImagePyramid> host_image = imageAsKnownNow(host);
+    const ImagePyramid& image = frame->pyramid;
+    const VignetteRatio vignette(host_image->level(0).camera, host.frame->correction.lacks(calibration_.correction()),
+                                 image.level(0).camera, frame->correction.lacks(calibration_.correction()));
+    const DepthSearcher searcher(*host_image, image, in_host, gain, offset, config_.depth_search, window_.motion(id),
                                  vignette);
     const std::size_t chunks = (host.immature.size() + kPointsPerSearch - 1) / kPointsPerSearch;
     parallelFor(chunks, [&, &immature = host.immature](std::size_t chunk) {
@@ -103,7 +134,7 @@ void LocalMap::searchDepths(const TrackedFrame& tracked) {
 }
 
 bool LocalMap::explainsAsWell(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp) const {
-  return window_.explainsAsWell(keyframe, sharp, pointsSeenBy(window_, window_.points(), cameraOf(keyframe), keyframe));
+  return window_.explainsAsWell(keyframe, sharp, pointsSeenBy(window_, window_.points(), keyframe));
 }
 
 void LocalMap::replaceImage(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp) {
@@ -116,9 +147,10 @@ void LocalMap::replaceImage(KeyframeId keyframe, const std::shared_ptr<const Ima
 KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const BodyMotion& motion) {
   KeyframeReport report;
   const StageClock::time_point begin = StageClock::now();
+  if (tracked.exposures) reviseExposures(*tracked.exposures);
   WindowKeyframe keyframe = windowKeyframe(tracked.frame, T_map_camera(tracked), motion, tracked.brightness);
   keyframe.blur_length_px = tracked.measures.blur_length_px;
-  addKeyframe(tracked.frame, std::move(keyframe));
+  addKeyframe(tracked.frame, std::move(keyframe), tracked.frame->exposure && !tracked.exposures);
   window_.addResidualsTo(newestKeyframe());
   const StageClock::time_point stage = StageClock::now();
   alignBlurred(tracked.measures.blur_length_px);
@@ -138,7 +170,7 @@ KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const BodyM
 /// Returns how many residuals that took.
 int LocalMap::activatePoints() {
   activation_distance_px_ = adaptedDistance(activation_distance_px_, window_.pointCount(), config_.window.max_points);
-  PointActivator activator(window_, cameraOf(newestKeyframe()), newestKeyframe(), activation_distance_px_);
+  PointActivator activator(window_, newestKeyframe(), activation_distance_px_);
   const auto newest = std::prev(keyframes_.end());
   for (auto host = keyframes_.begin(); host != newest; ++host) {
     activator.activateFound(host->first, host->second.immature);
@@ -179,16 +211,16 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe, const st
   reference->id = {id_, keyframe, 0};
   reference->metric = metric_;
   reference->mid_exposure_ns = keyframes_.at(keyframe).frame->mid_exposure_ns;
-  reference->exposure = keyframes_.at(keyframe).frame->exposure;
+  reference->exposure = exposureOf(keyframes_.at(keyframe));
   reference->T_map_reference = window_.T_map_keyframe(keyframe);
-  reference->pyramid = keyframes_.at(keyframe).image;
+  reference->pyramid = imageAsKnownNow(keyframes_.at(keyframe));
   reference->image_xi = window_.imageMotion(keyframe);
   reference->brightness = window_.brightness(keyframe);
   reference->motion = window_.motion(keyframe);
   reference->image_correction = keyframes_.at(keyframe).frame->correction;
   reference->correction = calibration_.correction();
   reference->settled_correction = calibration_.settled();
-  reference->points = pointsSeenBy(window_, window_.points(), cameraOf(keyframe), keyframe);
+  reference->points = pointsSeenBy(window_, window_.points(), keyframe);
   for (const KeyframeId id : window_.keyframes()) reference->T_map_keyframe[id] = window_.T_map_keyframe(id);
   return reference;
 }

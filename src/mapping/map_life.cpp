@@ -17,7 +17,7 @@ MapperOutput Mapper::Impl::initialize(const FrameConstPtr& frame) {
   if (newest_initializing_ns_ && frame->mid_exposure_ns <= *newest_initializing_ns_) return output;
   newest_initializing_ns_ = frame->mid_exposure_ns;
   if (!calibration_) beginCalibration(frame->correction);
-  std::unique_ptr<InitialMap> initial = initializer_.add(withRowTime(frame, calibration_->correction()));
+  std::unique_ptr<InitialMap> initial = initializer_.add(withCamera(frame, calibration_->correction()));
   output.residuals = initializer_.residuals();
   output.message = initializer_.reason();
   if (!initial) return output;
@@ -45,9 +45,9 @@ void Mapper::Impl::adoptRowTime(InitialMap& initial) {
   CalibrationCorrection correction = calibration_->correction();
   correction.values(CalibrationCorrection::kRowTime) += initial.row_time;
   beginCalibration(correction);
-  initial.reference = withRowTime(initial.reference, correction);
-  for (InitialMap::Pose& pose : initial.poses) pose.frame = withRowTime(pose.frame, correction);
-  for (FrameConstPtr& frame : initial_frames_) frame = withRowTime(frame, correction);
+  initial.reference = withCamera(initial.reference, correction);
+  for (InitialMap::Pose& pose : initial.poses) pose.frame = withCamera(pose.frame, correction);
+  for (FrameConstPtr& frame : initial_frames_) frame = withCamera(frame, correction);
 }
 
 std::optional<KeyframeReport> Mapper::Impl::begin(std::unique_ptr<InitialMap> initial, const BodyMotion& motion) {

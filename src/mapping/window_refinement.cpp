@@ -90,8 +90,7 @@ void LocalMap::updateSlopes() {
   std::map<KeyframeId, SurfaceSlopes> slopes;  // of the keyframes that have points
   for (const WindowPoint& point : points) {
     if (slopes.count(point.host) > 0) continue;
-    const PinholeCamera& camera = cameraOf(point.host);
-    slopes.emplace(point.host, SurfaceSlopes(camera, pointsSeenBy(window_, points, camera, point.host)));
+    slopes.emplace(point.host, SurfaceSlopes(window_.camera(point.host), pointsSeenBy(window_, points, point.host)));
   }
   window_.setSlopes(points, [&](const WindowPoint& point) -> std::optional<Eigen::Vector2d> {
     if ((point.id + newestKeyframe()) % kSlopeStride != 0) return std::nullopt;
@@ -101,7 +100,7 @@ void LocalMap::updateSlopes() {
 
 /// One step of the calibration. Returns whether one was taken: the window is then to be optimised with it.
 bool LocalMap::refineImaging(KeyframeReport& report) {
-  const bool rolling = cameraOf(newestKeyframe()).row_time != 0.0;
+  const bool rolling = window_.camera(newestKeyframe()).row_time != 0.0;
   if (!config_.refine_calibration && !rolling) return false;
   if (static_cast<int>(keyframes_.size()) < kCalibrationKeyframes) return false;
   if (refinement_.calibration_steps >= kCalibrationSteps) return false;

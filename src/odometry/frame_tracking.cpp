@@ -53,7 +53,7 @@ void FrameTracking::reset() {
 
 FrameConstPtr FrameTracking::asKnownNow(const FrameConstPtr& frame) const {
   const auto exposure = exposures_.exposureFor(frame->exposure, frame->mid_exposure_ns);
-  return withRowTime(withExposure(frame, exposure), reference_->correction);
+  return withExposure(frame, exposure);
 }
 
 std::shared_ptr<TrackedFrame> FrameTracking::track(const FrameConstPtr& given) {
@@ -62,6 +62,7 @@ std::shared_ptr<TrackedFrame> FrameTracking::track(const FrameConstPtr& given) {
   auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
   tracked->exposure_estimate = exposures_.estimate(given->exposure.has_value(), given->mid_exposure_ns);
   exposures_.add(reference_, tracked, given->exposure);
+  if (!given->exposure) tracked->exposures = exposures_.history();
   judge_.judge(*tracked, lost_.lost(), secondsBetween(state_, *frame));
   if (!tracked->tracked()) {
     lost_.lose(frame->mid_exposure_ns, false);
@@ -80,6 +81,7 @@ std::shared_ptr<TrackedFrame> FrameTracking::trackAhead(const FrameConstPtr& giv
   judge_.judge(*tracked, false, secondsBetween(newest, *frame));
   if (!tracked->tracked()) return nullptr;
   tracked->exposure_estimate = exposures_.estimate(given->exposure.has_value(), given->mid_exposure_ns);
+  if (!given->exposure) tracked->exposures = exposures_.history();
   tracked->provisional = true;
   newest.update(*tracked);
   T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;

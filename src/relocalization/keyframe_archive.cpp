@@ -64,7 +64,7 @@ ArchivedKeyframe::ArchivedKeyframe(const Reference& of, const Frame& frame)
       stamp_ns(frame.stamp_ns),
       camera(of.pyramid->level(0).camera),
       levels(of.pyramid->levels()),
-      image_exposure(of.pyramid.get() == &frame.pyramid ? of.exposure : 0.0),
+      image_exposure(of.pyramid->showsTheSameAs(frame.pyramid) ? of.exposure : 0.0),
       thumbnail(*of.pyramid) {
   const cv::Mat1f& original = of.pyramid->level(0).intensity;
   cv::Mat intensity;

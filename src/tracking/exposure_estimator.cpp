@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "mba_vo/tracking/frame_measures.h"
@@ -80,6 +81,7 @@ void ExposureEstimator::reset() {
   seen_.clear();
   ratio_ = {};
   unknown_ = ExposureFilter(0.0, kGuessSigma);
+  history_.reset();
   newest_probed_ns_ = 0;
   left_out_ = 0;
 }
@@ -103,6 +105,7 @@ void ExposureEstimator::add(const ReferenceConstPtr& reference, const std::share
   const double log_ratio = std::log(sample->exposure / middle.given);
   if (!middle.known) {
     unknown_.add(middle.tracked->frame->midExposureSeconds(), log_ratio, sample->log_sigma);
+    updateHistory();
     return;
   }
   ratio_.samples.push_back({log_ratio, 1.0 / (sample->log_sigma * sample->log_sigma)});
@@ -156,6 +159,12 @@ std::optional<ExposureSample> ExposureEstimator::probeMiddle(const Reference& re
   sample->log_sigma = std::hypot(sample->log_sigma, doubt / path / shown, kBlurSigma / blur / shown);
   sample->exposure = std::min(sample->exposure, interval);  // no camera exposes longer than until the next image
   return sample;
+}
+
+void ExposureEstimator::updateHistory() {
+  std::vector<ExposureHistory::Entry> entries = unknown_.smoothed();
+  for (ExposureHistory::Entry& entry : entries) entry.log_exposure += std::log(config_.unknown_exposure);
+  history_ = std::make_shared<const ExposureHistory>(std::move(entries));
 }
 
 void ExposureEstimator::update(Ratio& ratio) {

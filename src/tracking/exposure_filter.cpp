@@ -16,6 +16,7 @@ constexpr double kRateSigma = 0.5;             // at first [1/s]
 constexpr double kLongestExtrapolation = 0.3;  // [s] later, the rate is not believed any more
 constexpr double kOutlier = 2.5;               // [standard deviations] from which on a sample counts for less
 constexpr double kMemory = 0.95;               // of the surprise, from sample to sample
+constexpr std::size_t kRemembered = 90;        // samples, for as long as keyframes stay in a window
 constexpr double kLeastSigma = 0.05;           // of a sample: blur and motion are never known better
 
 }  // namespace
@@ -28,10 +29,15 @@ ExposureFilter::ExposureFilter(double log_exposure, double sigma) {
   filters_ = {Filter{kSteady, state, steady}, Filter{kVarying, state, covariance}};
 }
 
-void ExposureFilter::Filter::predict(double dt) {
+Eigen::Matrix2d ExposureFilter::Filter::transition(double dt) const {
   const double straight = std::min(dt, kLongestExtrapolation);
   Eigen::Matrix2d F;
   F << 1.0, straight, 0.0, straight < dt ? 0.0 : 1.0;
+  return F;
+}
+
+void ExposureFilter::Filter::predict(double dt) {
+  const Eigen::Matrix2d F = transition(dt);
   Eigen::Matrix2d Q;
   Q << dt * dt * dt / 3.0, dt * dt / 2.0, dt * dt / 2.0, dt;
   state = F * state;
@@ -56,6 +62,27 @@ void ExposureFilter::add(double time, double log_exposure, double sigma) {
   }
   time_ = time;
   ++samples_;
+  past_.push_back({time, filters_});
+  if (past_.size() > kRemembered) past_.pop_front();
+}
+
+std::vector<ExposureHistory::Entry> ExposureFilter::smoothed() const {
+  std::vector<ExposureHistory::Entry> entries(past_.size());
+  Eigen::Vector2d later;
+  for (std::size_t i = past_.size(); i-- > 0;) {
+    const Filter& filter = past_[i].filters[varies()];
+    Eigen::Vector2d state = filter.state;
+    if (i + 1 < past_.size()) {
+      const double dt = past_[i + 1].time - past_[i].time;
+      Filter predicted = filter;
+      predicted.predict(dt);
+      state += filter.covariance * filter.transition(dt).transpose() * predicted.covariance.inverse() *
+               (later - predicted.state);
+    }
+    entries[i] = {past_[i].time, state(0), state(1)};
+    later = state;
+  }
+  return entries;
 }
 
 ExposureFilter::Estimate ExposureFilter::at(double time) const {

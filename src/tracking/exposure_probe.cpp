@@ -39,6 +39,7 @@ class Probe {
       : reference_(reference),
         fx_(reference.pyramid->level(0).camera.fx),
         tracked_(tracked),
+        frame_(withCamera(tracked.frame, reference.correction)),
         velocity_(velocity),
         points_(selectEvenSubset(reference, 0, kPatchSide, kPatches)),
         pattern_(PatchPattern::square(kPatchSide)) {
@@ -62,7 +63,7 @@ class Probe {
     prior.xi_information.setConstant(kFixed);
     AlignmentState initial = state_;
     initial.xi = prior.xi;
-    AlignmentProblem problem(reference, points_, *tracked_.frame, 0, pattern_, options, prior, initial);
+    AlignmentProblem problem(reference, points_, *frame_, 0, pattern_, options, prior, initial);
     LevenbergMarquardtOptions lm;
     lm.max_iterations = kIterations;
     const auto minimum = minimize(problem, initial, lm);
@@ -79,6 +80,7 @@ class Probe {
   const Reference& reference_;
   double fx_;
   const TrackedFrame& tracked_;
+  FrameConstPtr frame_;
   Vector6 velocity_;
   std::vector<int> points_;
   PatchPattern pattern_;

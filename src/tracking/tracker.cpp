@@ -245,8 +245,10 @@ double Tracker::pixelError(const Job& job, const LevelResult& result) {
   return gradient > 0.0 ? result.minimum.equations.statistics.weighted_rms / gradient : 0.0;
 }
 
-TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& frame, const TrackingGuess& guess) const {
+TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& given, const TrackingGuess& guess) const {
   const auto begin = std::chrono::steady_clock::now();
+  // An image that was made with another calibration than the reference goes by shows everything beside its place.
+  const FrameConstPtr frame = withCamera(given, reference.correction);
   const int levels = std::min({config_.pyramid_levels, reference.pyramid->levels(), frame->pyramid.levels()});
   const Job job(reference, *frame, guess, levels, config_.max_points);
   AlignmentState state = guess.is_close ? starts(job).front() : bestStart(job, levels - 1);

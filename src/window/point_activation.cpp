@@ -55,22 +55,23 @@ std::vector<ReferencePoint> projectPoints(const Window& window, const std::vecto
                                           const PinholeCamera& camera, const SE3& T_map_camera,
                                           const BodyMotion& motion) {
   struct Host {
+    PinholeCamera camera;
     SE3 T_camera_host;
     MovingPose at_row;  // the host saw the point when its own row was read
   };
   std::map<KeyframeId, Host> hosts;
   for (const KeyframeId id : window.keyframes()) {
     const SE3 T = T_map_camera.inverse() * window.T_map_keyframe(id);
-    hosts[id] = {T, MovingPose(RigidMotion(T), window.motion(id))};
+    hosts[id] = {window.camera(id), T, MovingPose(RigidMotion(T), window.motion(id))};
   }
   const bool rolling = camera.row_time != 0.0;
   std::vector<ReferencePoint> projected;
   for (const WindowPoint& point : points) {
-    const Eigen::Vector3d in_host = camera.unproject(point.pixel) / point.inverse_depth;
     const Host& host = hosts.at(point.host);
-    const auto seen = rolling
-                          ? projectRolling(camera, motion, host.at_row.at(camera.rowDelay(point.pixel.y())) * in_host)
-                          : see(camera, host.T_camera_host * in_host);
+    const Eigen::Vector3d in_host = host.camera.unproject(point.pixel) / point.inverse_depth;
+    const auto seen =
+        rolling ? projectRolling(camera, motion, host.at_row.at(host.camera.rowDelay(point.pixel.y())) * in_host)
+                : see(camera, host.T_camera_host * in_host);
     if (!seen || !camera.contains(seen->pixel, kBorder)) continue;
     const Eigen::Vector2d& pixel = seen->pixel;
     const double inverse_depth = 1.0 / seen->depth;
@@ -85,8 +86,9 @@ std::vector<ReferencePoint> projectPoints(const Window& window, const std::vecto
 }
 
 std::vector<ReferencePoint> pointsSeenBy(const Window& window, const std::vector<WindowPoint>& points,
-                                         const PinholeCamera& camera, KeyframeId keyframe) {
-  return projectPoints(window, points, camera, window.T_map_keyframe(keyframe), window.motion(keyframe));
+                                         KeyframeId keyframe) {
+  return projectPoints(window, points, window.camera(keyframe), window.T_map_keyframe(keyframe),
+                       window.motion(keyframe));
 }
 
 }  // namespace mba_vo

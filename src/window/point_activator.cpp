@@ -24,14 +24,14 @@ NewPoint newPoint(KeyframeId host, const ImmaturePoint& point, double inverse_de
 
 }  // namespace
 
-PointActivator::PointActivator(Window& window, const PinholeCamera& camera, KeyframeId newest, double distance_px)
+PointActivator::PointActivator(Window& window, KeyframeId newest, double distance_px)
     : window_(window),
       known_(window.points()),
-      camera_(camera),
+      camera_(window.camera(newest)),
       T_newest_map_(window.T_map_keyframe(newest).inverse()),
-      grid_(camera, distance_px),
+      grid_(camera_, distance_px),
       keyframes_(static_cast<int>(window.keyframes().size())) {
-  for (const ReferencePoint& point : pointsSeenBy(window, known_, camera, newest)) {
+  for (const ReferencePoint& point : pointsSeenBy(window, known_, newest)) {
     grid_.occupy(point.pixel.cast<double>());
     ++visible_;
   }
@@ -39,6 +39,7 @@ PointActivator::PointActivator(Window& window, const PinholeCamera& camera, Keyf
 
 void PointActivator::activateFound(KeyframeId host, std::vector<ImmaturePoint>& immature) {
   std::optional<SurfaceSlopes> slopes;  // few hosts need any
+  const PinholeCamera host_camera = window_.camera(host);
   const SE3 T_newest_host = T_newest_map_ * window_.T_map_keyframe(host);
   std::vector<bool> gone(immature.size());
   std::vector<Candidate> candidates;
@@ -46,10 +47,10 @@ void PointActivator::activateFound(KeyframeId host, std::vector<ImmaturePoint>& 
     const ImmaturePoint& point = immature[i];
     gone[i] = point.state == ImmaturePoint::State::kOutlier;
     if (gone[i] || !isReadyToActivate(point)) continue;
-    const auto seen = see(T_newest_host, point, point.inverseDepth());
+    const auto seen = see(host_camera, T_newest_host, point, point.inverseDepth());
     gone[i] = !seen;
     if (!seen || !grid_.isFree(*seen)) continue;
-    if (!slopes) slopes.emplace(camera_, pointsSeenBy(window_, known_, camera_, host));
+    if (!slopes) slopes.emplace(host_camera, pointsSeenBy(window_, known_, host));
     candidates.push_back({i, newPoint(host, point, point.inverseDepth(), *slopes), *seen});
   }
   const std::vector<Outcome> outcomes = activate(candidates);
@@ -62,15 +63,16 @@ void PointActivator::activateFound(KeyframeId host, std::vector<ImmaturePoint>& 
 bool PointActivator::isStarving(int wanted_points) const { return visible_ < kStarving * wanted_points; }
 
 void PointActivator::activateGuessed(KeyframeId host, std::vector<ImmaturePoint>& immature) {
-  const std::vector<ReferencePoint> known = pointsSeenBy(window_, known_, camera_, host);
+  const std::vector<ReferencePoint> known = pointsSeenBy(window_, known_, host);
   const NearbyDepths depths(known);
   if (!depths.known()) return;
-  const SurfaceSlopes slopes(camera_, known);
+  const PinholeCamera host_camera = window_.camera(host);
+  const SurfaceSlopes slopes(host_camera, known);
   const SE3 T_newest_host = T_newest_map_ * window_.T_map_keyframe(host);
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < immature.size(); ++i) {
     const double guess = depths.at(immature[i].pixel.cast<double>());
-    const auto seen = see(T_newest_host, immature[i], guess);
+    const auto seen = see(host_camera, T_newest_host, immature[i], guess);
     if (seen && grid_.isFree(*seen)) candidates.push_back({i, newPoint(host, immature[i], guess, slopes), *seen});
   }
   const std::vector<Outcome> outcomes = activate(candidates);
@@ -81,9 +83,9 @@ void PointActivator::activateGuessed(KeyframeId host, std::vector<ImmaturePoint>
   eraseMarked(immature, activated);
 }
 
-std::optional<Eigen::Vector2d> PointActivator::see(const SE3& T_newest_host, const ImmaturePoint& point,
-                                                   double inverse_depth) const {
-  const Eigen::Vector3d in_newest = T_newest_host * (camera_.unproject(point.pixel.cast<double>()) / inverse_depth);
+std::optional<Eigen::Vector2d> PointActivator::see(const PinholeCamera& host_camera, const SE3& T_newest_host,
+                                                   const ImmaturePoint& point, double inverse_depth) const {
+  const Eigen::Vector3d in_newest = T_newest_host * (host_camera.unproject(point.pixel.cast<double>()) / inverse_depth);
   if (in_newest.z() <= 0.0) return std::nullopt;
   const Eigen::Vector2d pixel = camera_.project(in_newest);
   return camera_.contains(pixel, kHostBorder) ? std::optional<Eigen::Vector2d>(pixel) : std::nullopt;

@@ -172,6 +172,11 @@ void Window::replaceImage(KeyframeId id, std::shared_ptr<const ImagePyramid> sha
   impl_->pairs_.clear();
 }
 
+void Window::setExposure(KeyframeId id, double exposure, bool image_is_blurred) {
+  impl_->state_.setExposure(impl_->state_.indexOf(id), exposure, image_is_blurred);
+  impl_->pairs_.clear();
+}
+
 bool Window::explainsAsWell(KeyframeId host, const std::shared_ptr<const ImagePyramid>& sharp,
                             const std::vector<ReferencePoint>& points) const {
   const int index = impl_->state_.indexOf(host);
@@ -278,6 +283,10 @@ std::vector<KeyframeId> Window::keyframes() const {
 
 SE3 Window::T_map_keyframe(KeyframeId id) const {
   return impl_->state_.keyframe(impl_->state_.indexOf(id)).T_map_keyframe();
+}
+
+PinholeCamera Window::camera(KeyframeId id) const {
+  return impl_->state_.keyframe(impl_->state_.indexOf(id)).camera();
 }
 
 BodyMotion Window::motion(KeyframeId id) const { return impl_->state_.keyframe(impl_->state_.indexOf(id)).motion(); }

@@ -76,12 +76,29 @@ void WindowState::relinearize() {
 void WindowState::replaceImage(int i, std::shared_ptr<const ImagePyramid> sharp) {
   keyframe(i).sharp = std::move(sharp);
   keyframe(i).image_xi.setZero();
-  // Pixels of the targets, which were blurred as the host was, have to be read again; as a target it may be itself what
-  // is read.
+  readAgain(i);
+  // As a target it may be itself what is read.
   for (PointState& point : points) {
     for (PatchResidual& residual : point.residuals) {
-      if (point.host == i || residual.target == i) residual.has_pixels = false;
+      if (residual.target == i) residual.has_pixels = false;
     }
+  }
+}
+
+void WindowState::setExposure(int i, double exposure, bool image_is_blurred) {
+  KeyframeState& k = keyframe(i);
+  // Rows tell the velocity without the exposure; what the blur said of it was said with the old one.
+  const Vector6& moving = k.readoutTime() != 0.0 ? k.velocity : k.expected_velocity;
+  k.xi = exposure * moving;
+  k.velocity = moving;
+  k.image_xi = image_is_blurred ? k.xi : Vector6::Zero();
+  readAgain(i);
+}
+
+void WindowState::readAgain(int i) {
+  for (PointState& point : points) {
+    if (point.host != i) continue;
+    for (PatchResidual& residual : point.residuals) residual.has_pixels = false;
   }
 }
 

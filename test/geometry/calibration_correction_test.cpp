@@ -34,6 +34,34 @@ TEST(CalibrationCorrection, LensJacobianIsThatOfItsFormula) {
   }
 }
 
+TEST(CalibrationCorrection, APinholeCameraTakesOverMostOfIt) {
+  CalibrationCorrection correction = vignette(-0.3, 0.0, 0.0);
+  correction.values.head<6>() << 0.02, 0.01, -0.02, -0.1, 0.02, 1e-5;
+  const CalibrationCorrection part = pinholePart(correction, kCamera);
+  const CalibrationCorrection rest = part.lacks(correction);
+  EXPECT_TRUE(pinholePart(rest, kCamera).isZero());
+  EXPECT_EQ(rest[CalibrationCorrection::kK1], -0.1);
+  EXPECT_FALSE(part.correctsVignette());
+  const auto shift = [](const CalibrationCorrection& c) {
+    double squares = 0.0;
+    for (int x = 0; x < kCamera.width; x += 20) {
+      for (int y = 0; y < kCamera.height; y += 20) squares += (lensJacobian(kCamera, {x, y}) * c.values).squaredNorm();
+    }
+    return std::sqrt(squares);
+  };
+  CalibrationCorrection without_radial;
+  without_radial.values(CalibrationCorrection::kFocal) = correction[CalibrationCorrection::kFocal];
+  EXPECT_LT(shift(rest), 0.5 * shift(without_radial.lacks(correction)));
+  const PinholeCamera corrected = withCorrection(kCamera, part);
+  EXPECT_DOUBLE_EQ(corrected.row_time, 1e-5);
+  test::Random random(2);
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Vector3d ray = kCamera.unproject({random.uniform(0, 639), random.uniform(0, 479)});
+    const Eigen::Vector2d x = part.apply(ray.head<2>());
+    EXPECT_LT((corrected.project(ray) - kCamera.project({x.x(), x.y(), 1.0})).norm(), 1e-9);
+  }
+}
+
 TEST(CalibrationCorrection, IsNoticeableFromHalfAPixelTwoPercentOfTheLightOrAMillisecondOn) {
   const auto focal = [](double value) {
     CalibrationCorrection correction;

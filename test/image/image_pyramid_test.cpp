@@ -38,6 +38,26 @@ TEST(ImagePyramid, EveryLevelShowsTheSameRay) {
   }
 }
 
+TEST(ImagePyramid, EveryLevelGetsTheCorrectedCamera) {
+  CalibrationCorrection lacking;
+  lacking.values.head<6>() << 0.02, 0.01, -0.02, 0.0, 0.0, 1e-5;
+  const ImagePyramid original(makeRamp(), kCamera, 3);
+  ImagePyramid corrected = original;
+  corrected.correctCamera(lacking);
+  EXPECT_TRUE(corrected.showsTheSameAs(original));
+  EXPECT_FALSE(corrected.showsTheSameAs(ImagePyramid(makeRamp(), kCamera, 3)));
+  const PinholeCamera finest = corrected.level(0).camera;
+  EXPECT_DOUBLE_EQ(finest.fx, 1.02 * kCamera.fx);
+  for (int l = 0; l < corrected.levels(); ++l) {
+    const PinholeCamera& camera = corrected.level(l).camera;
+    const PinholeCamera& before = original.level(l).camera;
+    EXPECT_NEAR(camera.rowDelay(0.0), finest.rowDelay(0.5 * (1 << l) - 0.5), 1e-12) << "level " << l;
+    const Eigen::Vector2d pixel(3.0, 7.0);
+    const Eigen::Vector2d at_finest = kCamera.project(before.unproject(pixel));
+    EXPECT_LT((camera.unproject(pixel) - finest.unproject(at_finest)).norm(), 1e-9) << "level " << l;
+  }
+}
+
 TEST(ImagePyramid, StopsBeforeLevelsBecomeTooSmall) {
   const ImagePyramid pyramid(makeRamp(), kCamera, 8);
   EXPECT_EQ(pyramid.levels(), 3);  // 96x64, 48x32, 24x16

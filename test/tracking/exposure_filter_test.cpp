@@ -80,5 +80,24 @@ TEST(ExposureFilter, SaysTheGuessBeforeTheFirstSample) {
   EXPECT_EQ(filter.at(100.0).sigma, kGuessSigma);
 }
 
+TEST(ExposureFilter, KnowsThePastBetterLater) {
+  const auto truth = [](double t) { return 0.69 * std::sin(2.0 * 3.14159 * t / 5.0); };
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    test::Random random(seed);
+    ExposureFilter filter(0.0, kGuessSigma);
+    double then = 0.0;
+    for (int i = 0; i < 60; ++i) {
+      const double t = kInterval * i;
+      filter.add(t, truth(t) + random.normal(kSigma), kSigma);
+      then += std::pow(filter.at(t).log_exposure - truth(t), 2.0);
+    }
+    double later = 0.0;
+    const std::vector<ExposureHistory::Entry> smoothed = filter.smoothed();
+    ASSERT_EQ(smoothed.size(), 60U);
+    for (const ExposureHistory::Entry& entry : smoothed) later += std::pow(entry.log_exposure - truth(entry.time), 2.0);
+    EXPECT_LT(later, 0.5 * then) << "seed " << seed;
+  }
+}
+
 }  // namespace
 }  // namespace mba_vo

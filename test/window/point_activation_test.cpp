@@ -119,5 +119,27 @@ TEST(ProjectPoints, GivesTheTrueDepthInAnotherCamera) {
   EXPECT_GT(exact, static_cast<int>(projected.size()) * 9 / 10);
 }
 
+TEST(ProjectPoints, KnowsThatTheHostWasMadeWithAnotherFocalLength) {
+  const test::PlanarScene scene = test::PlanarScene::corner();
+  const PinholeCamera camera = test::smallCamera();
+  CalibrationCorrection known;
+  known.values(CalibrationCorrection::kFocal) = -0.02;
+  Window window(WindowConfig{}, true);
+  const auto image = test::pyramidOf(scene.render(camera, SE3()), camera);
+  WindowKeyframe host{0, image, image, SE3(), Vector6::Zero(), Vector6::Zero(), {}};
+  WindowKeyframe target = host;
+  target.id = 1;
+  target.correction = known;
+  window.setCorrection(known);
+  window.addKeyframe(host);
+  window.addKeyframe(target);
+  window.addPoint(0, {40.0, 60.0}, 0.5);
+  const std::vector<ReferencePoint> seen = pointsSeenBy(window, window.points(), 1);
+  ASSERT_EQ(seen.size(), 1U);
+  // The host shows at (40, 60) what an image made with the right focal length shows farther out.
+  EXPECT_NEAR(static_cast<double>(seen[0].pixel.x()), camera.cx + (40.0 - camera.cx) / 0.98, 0.01);
+  EXPECT_NEAR(static_cast<double>(seen[0].pixel.y()), camera.cy + (60.0 - camera.cy) / 0.98, 0.01);
+}
+
 }  // namespace
 }  // namespace mba_vo

@@ -41,7 +41,7 @@ class PointActivatorTest : public testing::Test {
 };
 
 TEST_F(PointActivatorTest, NeedsFoundDepthsAsARule) {
-  PointActivator activator(window_, camera_, 2, 6.0);
+  PointActivator activator(window_, 2, 6.0);
   const std::size_t before = candidates_.size();
   activator.activateFound(0, candidates_);
   EXPECT_EQ(window_.pointCount(), known_);
@@ -49,13 +49,13 @@ TEST_F(PointActivatorTest, NeedsFoundDepthsAsARule) {
 }
 
 TEST_F(PointActivatorTest, TellsWhenPointsAreShort) {
-  const PointActivator activator(window_, camera_, 2, 6.0);
+  const PointActivator activator(window_, 2, 6.0);
   EXPECT_TRUE(activator.isStarving(100 * known_));
   EXPECT_FALSE(activator.isStarving(known_));
 }
 
 TEST_F(PointActivatorTest, TellsWhenThereAreEnoughAndWhatThatTook) {
-  PointActivator activator(window_, camera_, 2, 6.0);
+  PointActivator activator(window_, 2, 6.0);
   EXPECT_FALSE(activator.isFull(known_ + 1));
   EXPECT_EQ(activator.residuals(), 0);
   const std::size_t tries = candidates_.size();
@@ -68,7 +68,7 @@ TEST_F(PointActivatorTest, TellsWhenThereAreEnoughAndWhatThatTook) {
 }
 
 TEST_F(PointActivatorTest, FindsDepthsFromThoseAround) {
-  PointActivator activator(window_, camera_, 2, 6.0);
+  PointActivator activator(window_, 2, 6.0);
   const std::size_t before = candidates_.size();
   activator.activateGuessed(0, candidates_);
   const int added = window_.pointCount() - known_;
@@ -86,7 +86,7 @@ TEST_F(PointActivatorTest, FindsDepthsFromThoseAround) {
 TEST_F(PointActivatorTest, KeepsADistanceBetweenPoints) {
   std::vector<ImmaturePoint> twice = candidates_;
   twice.insert(twice.end(), candidates_.begin(), candidates_.end());
-  PointActivator activator(window_, camera_, 2, 6.0);
+  PointActivator activator(window_, 2, 6.0);
   activator.activateGuessed(0, twice);
   const int added = window_.pointCount() - known_;
   activator.activateGuessed(0, twice);

@@ -30,14 +30,18 @@ struct Pair {
     return points;
   }
 
-  /// The first keyframe as a host is sharp or blurred; `knows`: that it is.
-  void fill(Window& window, bool is_sharp, bool knows = true) const {
+  static constexpr double kExposure = 0.02;  // [s]
+
+  /// The first keyframe as a host is sharp or blurred; `knows`: that it is. `told`: the exposures, else both keyframes
+  /// count as sharp.
+  void fill(Window& window, bool is_sharp, bool knows = true, bool told = true) const {
     for (std::size_t i = 0; i < 2; ++i) {
       WindowKeyframe keyframe;
       keyframe.id = static_cast<KeyframeId>(i);
       keyframe.original = test::pyramidOf(scene.renderBlurred(camera, T_map_keyframe[i], xi[i], 24), camera);
       keyframe.T_map_keyframe = T_map_keyframe[i];
-      keyframe.xi = xi[i];
+      keyframe.motion.velocity = xi[i] / kExposure;
+      if (told) keyframe.xi = xi[i];
       keyframe.sharp = i == 0 && is_sharp ? sharp : keyframe.original;
       if (knows && keyframe.sharp == keyframe.original) keyframe.image_xi = xi[i];
       window.addKeyframe(keyframe);
@@ -65,6 +69,23 @@ TEST(WindowReplacement, ASharpImageThatComesLaterIsAsOneThatWasThereFromTheBegin
   EXPECT_EQ(after.initial_cost, expected.initial_cost);
   EXPECT_EQ(after.rms, expected.rms);
   EXPECT_LT(after.rms, 1.0) << "the sharp image, blurred as the target is, is the target";
+}
+
+TEST(WindowReplacement, AnExposureThatIsKnownLaterIsAsOneThatWasKnownFromTheBeginning) {
+  const Pair pair;
+  Window told(WindowConfig(), true), untold(WindowConfig(), true);
+  pair.fill(told, false);
+  pair.fill(untold, false, false, false);
+  const WindowSummary before = untold.optimize(0);
+  told.optimize(0);
+  for (const KeyframeId id : {0, 1}) untold.setExposure(id, Pair::kExposure, true);
+  const WindowSummary after = untold.optimize(0);
+  const WindowSummary expected = told.optimize(0);
+  EXPECT_GT(before.rms, 2.0 * after.rms);
+  EXPECT_EQ(after.residuals, expected.residuals);
+  EXPECT_NEAR(after.initial_cost, expected.initial_cost, 1e-6 * expected.initial_cost);
+  EXPECT_NEAR(after.rms, expected.rms, 1e-6 * expected.rms);
+  EXPECT_THROW(untold.setExposure(7, Pair::kExposure, true), std::invalid_argument);
 }
 
 TEST(WindowReplacement, TheWindowGoesOnFromThere) {

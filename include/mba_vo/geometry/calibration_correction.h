@@ -41,6 +41,13 @@ struct CalibrationCorrection {
   }
 };
 
+/// What a pinhole camera can have of a correction: centre, row time, and the focal length that comes nearest to it with
+/// the radial distortion, over the image.
+CalibrationCorrection pinholePart(const CalibrationCorrection& correction, const PinholeCamera& camera);
+
+/// The camera of an image that lacked a correction; only what a pinhole camera can have of it counts.
+PinholeCamera withCorrection(const PinholeCamera& camera, const CalibrationCorrection& lacking);
+
 /// d pixel of the image / d correction, `pixel` being where the ideal camera sees the point; not by the row time.
 Eigen::Matrix<double, 2, CalibrationCorrection::kDim> lensJacobian(const PinholeCamera& camera,
                                                                    const Eigen::Vector2d& pixel);

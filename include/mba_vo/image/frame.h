@@ -19,7 +19,7 @@ struct Frame {
   cv::Mat1f depth;      // z of the finest level's pixels [m], NaN = unknown; empty = none. Not to be written
   cv::Mat1b overlay;    // 255 where something covers the scene in the camera's image and is masked; empty = nowhere
   bool masked = false;  // a large part of it, by that or by a mask
-  CalibrationCorrection correction;  // of the calibration, as made
+  CalibrationCorrection correction;  // of the calibration, that the image was made with or its camera has
 
   double midExposureSeconds() const { return 1e-9 * static_cast<double>(mid_exposure_ns); }
 };
@@ -34,13 +34,14 @@ inline FrameConstPtr withExposure(const FrameConstPtr& frame, const std::optiona
   return other;
 }
 
-/// The same frame with the row time of another correction; the image is shared, rows are but exposed at other times.
-inline FrameConstPtr withRowTime(const FrameConstPtr& frame, const CalibrationCorrection& correction) {
-  constexpr auto kRowTime = CalibrationCorrection::kRowTime;
-  if (frame->correction[kRowTime] == correction[kRowTime]) return frame;
+/// The same frame with a camera that comes nearest to another correction (pinholePart); the image is shared.
+inline FrameConstPtr withCamera(const FrameConstPtr& frame, const CalibrationCorrection& correction) {
+  const CalibrationCorrection lacking =
+      pinholePart(frame->correction.lacks(correction), frame->pyramid.level(0).camera);
+  if (lacking.isZero()) return frame;
   auto other = std::make_shared<Frame>(*frame);
-  other->pyramid.addRowTime(correction[kRowTime] - frame->correction[kRowTime]);
-  other->correction.values(kRowTime) = correction[kRowTime];
+  other->pyramid.correctCamera(lacking);
+  other->correction.values += lacking.values;
   return other;
 }
 

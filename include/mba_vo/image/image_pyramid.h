@@ -5,7 +5,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "mba_vo/geometry/pinhole_camera.h"
+#include "mba_vo/geometry/calibration_correction.h"
 
 namespace mba_vo {
 
@@ -29,8 +29,12 @@ class ImagePyramid {
   int levels() const { return static_cast<int>(levels_.size()); }
   const ImageLevel& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }
   std::size_t bytes() const;
-  /// To the camera's, of the finest level [s].
-  void addRowTime(double row_time);
+  /// The camera of the image is known better: it takes over what a pinhole camera can have of what was lacking.
+  void correctCamera(const CalibrationCorrection& lacking);
+  /// Whether both have the same pixels, whatever is known of the camera.
+  bool showsTheSameAs(const ImagePyramid& other) const {
+    return level(0).intensity.data == other.level(0).intensity.data;
+  }
 
  private:
   std::vector<ImageLevel> levels_;

@@ -97,6 +97,7 @@ class LocalMap {
   struct HostKeyframe {
     FrameConstPtr frame;
     std::shared_ptr<const ImagePyramid> image;  // the frame's own, or a sharp one
+    std::optional<double> exposure;             // as the window has it, where none came with the image; 0 = sharp [s]
     std::vector<ImmaturePoint> immature;
   };
   /// How far the window is refined with its newest keyframe.
@@ -106,8 +107,10 @@ class LocalMap {
     int calibration_steps = 0;  // taken
   };
 
-  void addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe);
-  const PinholeCamera& cameraOf(KeyframeId keyframe) const { return keyframes_.at(keyframe).image->level(0).camera; }
+  void addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe, bool exposure_told);
+  void reviseExposures(const ExposureHistory& exposures);
+  static std::optional<double> exposureOf(const HostKeyframe& keyframe);
+  std::shared_ptr<const ImagePyramid> imageAsKnownNow(const HostKeyframe& keyframe) const;
   int activatePoints();
   void alignBlurred(double blur_length_px);
   void beginOptimization(KeyframeReport& report);

@@ -23,6 +23,8 @@ class ExposureEstimator {
   /// Exposure to track a frame with, given the one that came with it [s]; nullopt = not known.
   std::optional<double> exposureFor(const std::optional<double>& given, std::int64_t mid_exposure_ns) const;
   ExposureEstimate estimate(bool given, std::int64_t mid_exposure_ns) const;
+  /// Of exposures that did not come, as all frames so far tell them; null without any.
+  std::shared_ptr<const ExposureHistory> history() const { return history_; }
 
   /// `given`: the exposure that came with the frame. Frames should come in the order of time; the others are left out.
   void add(const ReferenceConstPtr& reference, const std::shared_ptr<const TrackedFrame>& tracked,
@@ -50,12 +52,14 @@ class ExposureEstimator {
   int framesBetweenProbes(bool known) const;
   std::optional<ExposureSample> probeMiddle(const Reference& reference);
   static void update(Ratio& ratio);
+  void updateHistory();
   static double weightedMedian(std::vector<Sample> samples);  // of the logarithms; at least one sample
 
   TrackerConfig config_;
-  std::deque<Seen> seen_;   // the newest ones
-  Ratio ratio_;             // to the exposures that came
-  ExposureFilter unknown_;  // where none came, relative to the assumed one
+  std::deque<Seen> seen_;                           // the newest ones
+  Ratio ratio_;                                     // to the exposures that came
+  ExposureFilter unknown_;                          // where none came, relative to the assumed one
+  std::shared_ptr<const ExposureHistory> history_;  // of the same
   std::int64_t newest_probed_ns_ = 0;
   int left_out_ = 0;  // frames since the last probe, itself included
 };

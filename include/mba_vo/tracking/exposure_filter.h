@@ -1,8 +1,12 @@
 #pragma once
 
 #include <array>
+#include <deque>
+#include <vector>
 
 #include <Eigen/Core>
+
+#include "mba_vo/tracking/exposure_history.h"
 
 namespace mba_vo {
 
@@ -23,6 +27,8 @@ class ExposureFilter {
   void add(double time, double log_exposure, double sigma);
   Estimate at(double time) const;
   int samples() const { return samples_; }
+  /// What all samples together say of the times of the last ones (Rauch, Tung and Striebel's smoother).
+  std::vector<ExposureHistory::Entry> smoothed() const;
   /// True if the exposures seem to change.
   bool varies() const { return filters_[1].surprise < filters_[0].surprise; }
 
@@ -33,12 +39,19 @@ class ExposureFilter {
     Eigen::Matrix2d covariance;
     double surprise = 0.0;  // -2 log likelihood of the last samples, fading
 
+    Eigen::Matrix2d transition(double dt) const;
     void predict(double dt);
     void update(double log_exposure, double sigma);
   };
 
+  struct Posterior {
+    double time;  // of a sample [s]
+    std::array<Filter, 2> filters;
+  };
+
   std::array<Filter, 2> filters_;
-  double time_ = 0.0;  // of the last sample [s]
+  std::deque<Posterior> past_;  // after each of the last samples
+  double time_ = 0.0;           // of the last sample [s]
   int samples_ = 0;
 };
 

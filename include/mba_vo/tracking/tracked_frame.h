@@ -5,6 +5,7 @@
 #include <string>
 
 #include "mba_vo/image/frame.h"
+#include "mba_vo/tracking/exposure_history.h"
 #include "mba_vo/tracking/frame_measures.h"
 #include "mba_vo/tracking/reference.h"
 
@@ -54,6 +55,8 @@ struct TrackedFrame {
   bool orientation_only = false;
   double tracking_ms = 0.0;
   ExposureEstimate exposure_estimate;  // with which it was tracked
+  /// Where no exposure came with it: what is known by now of its own and of earlier ones; null = nothing.
+  std::shared_ptr<const ExposureHistory> exposures;
 
   bool tracked() const { return status == TrackingStatus::kTracking || status == TrackingStatus::kDegraded; }
 };

@@ -31,13 +31,13 @@ double adaptedDistance(double distance_px, int points, int wanted);
 /// True if the depth of an immature point is certain enough to enter the window.
 bool isReadyToActivate(const ImmaturePoint& point);
 
-/// The window's `points` as seen by a camera at T_map_camera, those outside the image left out. `motion`: of the
+/// The window's `points` as seen by a `camera` at T_map_camera, those outside the image left out. `motion`: of the
 /// camera, for a rolling shutter.
 std::vector<ReferencePoint> projectPoints(const Window& window, const std::vector<WindowPoint>& points,
                                           const PinholeCamera& camera, const SE3& T_map_camera,
                                           const BodyMotion& motion = {});
 /// The same, seen by one of the window's own keyframes.
 std::vector<ReferencePoint> pointsSeenBy(const Window& window, const std::vector<WindowPoint>& points,
-                                         const PinholeCamera& camera, KeyframeId keyframe);
+                                         KeyframeId keyframe);
 
 }  // namespace mba_vo

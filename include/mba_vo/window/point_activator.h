@@ -13,8 +13,8 @@ namespace mba_vo {
 /// but its own point: the first ones of all free cells are tried side by side, then the next ones of those still free.
 class PointActivator {
  public:
-  /// `camera`: of all keyframes. The window must outlive the activator. `distance_px`: between points.
-  PointActivator(Window& window, const PinholeCamera& camera, KeyframeId newest, double distance_px);
+  /// The window must outlive the activator. `distance_px`: between points.
+  PointActivator(Window& window, KeyframeId newest, double distance_px);
 
   /// Those of the host whose depths have been found. Takes those away that were activated or never will be.
   void activateFound(KeyframeId host, std::vector<ImmaturePoint>& immature);
@@ -40,14 +40,15 @@ class PointActivator {
   };
 
   /// Where the newest keyframe sees the point; nullopt if it does not.
-  std::optional<Eigen::Vector2d> see(const SE3& T_newest_host, const ImmaturePoint& point, double inverse_depth) const;
+  std::optional<Eigen::Vector2d> see(const PinholeCamera& host_camera, const SE3& T_newest_host,
+                                     const ImmaturePoint& point, double inverse_depth) const;
   std::vector<Outcome> activate(const std::vector<Candidate>& candidates);
   /// Those that are tried now, of the candidates `waiting`; leaves in it those for later.
   std::vector<std::size_t> nextRound(const std::vector<Candidate>& candidates, std::vector<std::size_t>& waiting) const;
 
   Window& window_;
   std::vector<WindowPoint> known_;  // before any is activated
-  PinholeCamera camera_;
+  PinholeCamera camera_;            // of the newest keyframe
   SE3 T_newest_map_;
   SpacingGrid grid_;  // of the newest keyframe
   int visible_ = 0;   // points in it

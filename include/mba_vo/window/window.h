@@ -124,6 +124,8 @@ class Window {
   void addKeyframe(const WindowKeyframe& keyframe);
   /// The image of a host has become sharp. What depended on the old one is made anew by `optimize`.
   void replaceImage(KeyframeId id, std::shared_ptr<const ImagePyramid> sharp);
+  /// The exposure of a keyframe, which nobody told, is known better now [s]. `image_is_blurred`: by it, as a host.
+  void setExposure(KeyframeId id, double exposure, bool image_is_blurred);
   /// Whether the host with that image instead of its own would explain the other keyframes no worse, by these points
   /// seen from it; false if it cannot be told. Changes nothing.
   bool explainsAsWell(KeyframeId host, const std::shared_ptr<const ImagePyramid>& sharp,
@@ -173,6 +175,8 @@ class Window {
 
   std::vector<KeyframeId> keyframes() const;  // by age, oldest first
   SE3 T_map_keyframe(KeyframeId id) const;
+  /// Of the keyframe's images, as is known now, apart from radial distortion.
+  PinholeCamera camera(KeyframeId id) const;
   BodyMotion motion(KeyframeId id) const;
   /// The motion blur left in the image that the keyframe has as a host, 0 = none [m, rad].
   Vector6 imageMotion(KeyframeId id) const;

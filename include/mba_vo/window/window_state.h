@@ -45,6 +45,10 @@ struct KeyframeState {
 
   double exposure() const { return velocity.isZero(0.0) ? 0.0 : xi.norm() / velocity.norm(); }  // [s]
   BodyMotion motion() const { return {velocity, acceleration}; }
+  /// Of both images, as is known now, apart from radial distortion.
+  PinholeCamera camera() const {
+    return withCorrection(sharp->level(0).camera, pinholePart(lacking, sharp->level(0).camera));
+  }
   double readoutTime() const;  // from the first row to the last, as is known now [s]
   /// Sets xi, and what is known by it.
   void setMotion(const Vector6& motion);
@@ -103,8 +107,13 @@ struct WindowState {
   void relinearize();
   /// The image that keyframe `i` has as a host is sharp now.
   void replaceImage(int i, std::shared_ptr<const ImagePyramid> sharp);
+  /// The exposure of keyframe `i` is known better now, and with it the motion within it.
+  void setExposure(int i, double exposure, bool image_is_blurred);
   /// Removes keyframe `i`, its points and all residuals into it. The prior must not depend on it any more.
   void removeKeyframe(int i);
+
+  /// What the targets show of the points of host `i`, which were blurred as the host was, has to be read again.
+  void readAgain(int i);
 
   bool isGood(const PatchResidual& residual) const {
     return residual.energy <= keyframe(residual.target).outlier_energy;  // false for kNoEnergy
