@@ -285,9 +285,7 @@ SE3 Window::T_map_keyframe(KeyframeId id) const {
   return impl_->state_.keyframe(impl_->state_.indexOf(id)).T_map_keyframe();
 }
 
-PinholeCamera Window::camera(KeyframeId id) const {
-  return impl_->state_.keyframe(impl_->state_.indexOf(id)).camera();
-}
+PinholeCamera Window::camera(KeyframeId id) const { return impl_->state_.keyframe(impl_->state_.indexOf(id)).camera(); }
 
 BodyMotion Window::motion(KeyframeId id) const { return impl_->state_.keyframe(impl_->state_.indexOf(id)).motion(); }
 
