@@ -28,7 +28,7 @@ struct Machine {
   double first_map = 60.0;             // and makes a map, with its second keyframe
   double depth_search = 5.2;           // depths are searched in a frame
   double draft = 4.0;                  // a keyframe is inserted
-  double draft_per_1000 = 1.5;         // and for each thousand residuals of new points
+  double draft_per_1000 = 1.8;         // and for each thousand residuals of new points
   double iteration = 0.0;              // a piece of the optimisation of the window
   double iteration_per_1000 = 1.2;     // and for each thousand residuals
   double keyframe = 9.8;               // the last piece of what is done with a keyframe

@@ -68,7 +68,7 @@ class Tracker {
   explicit Tracker(const TrackerConfig& config) : config_(config) {}
 
   /// Status is kTracking, kDegraded or kLost, with the reason.
-  TrackedFrame track(const Reference& reference, const FrameConstPtr& frame, const TrackingGuess& guess) const;
+  TrackedFrame track(const Reference& reference, const FrameConstPtr& given, const TrackingGuess& guess) const;
 
  private:
   struct Job;
