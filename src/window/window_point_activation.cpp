@@ -76,7 +76,7 @@ std::optional<PointState> WindowPointActivation::activate(const WindowState& sta
   PointState trial;
   for (int i = 0; i < options_.max_iterations && current.H > 0.0; ++i) {
     const double factor = 1.0 - current.b / (current.H * (1.0 + lambda)) / point.inverse_depth;
-    if (current.b * current.b < options_.min_relative_decrease * current.cost * current.H) break;
+    if (std::abs(factor - 1.0) < options_.min_relative_step) break;
     trial = point;
     trial.inverse_depth *= std::clamp(factor, 1.0 / kMaxRefinedFactor, kMaxRefinedFactor);
     const Evaluation tried = evaluate(state, pairs, false, trial);

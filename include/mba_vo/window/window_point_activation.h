@@ -11,7 +11,7 @@ struct WindowPointActivationOptions {
   int min_good_residuals = 1;
   double min_good_fraction = 0.5;           // of the residuals whose patch is inside both images
   double min_relative_information = 100.0;  // inverse depth^2 times its information
-  double min_relative_decrease = 1e-5;      // of the cost, expected of a step: with 6e-3 `spin` had twice the error
+  double min_relative_step = 1e-4;          // of the inverse depth; a smaller one is not worth a step
 };
 
 /// Finds the inverse depth of one point by Gauss-Newton on its residuals in all other keyframes, all poses fixed.
