@@ -12,12 +12,11 @@ constexpr double kSteady = 1e-3;  // noise of the acceleration [1/s^3]: 10 % in 
 // The same of an exposure that changes by a factor of 4 within 2.5 s, to and fro: its logarithm has an acceleration of
 // up to 1.1 / s^2, which lasts for about a second.
 constexpr double kVarying = 1.0;
-constexpr double kRateSigma = 0.5;             // at first [1/s]
-constexpr double kLongestExtrapolation = 0.3;  // [s] later, the rate is not believed any more
-constexpr double kOutlier = 2.5;               // [standard deviations] from which on a sample counts for less
-constexpr double kMemory = 0.95;               // of the surprise, from sample to sample
-constexpr std::size_t kRemembered = 90;        // samples, for as long as keyframes stay in a window
-constexpr double kLeastSigma = 0.05;           // of a sample: blur and motion are never known better
+constexpr double kRateSigma = 0.5;       // at first [1/s]
+constexpr double kOutlier = 2.5;         // [standard deviations] from which on a sample counts for less
+constexpr double kMemory = 0.95;         // of the surprise, from sample to sample
+constexpr std::size_t kRemembered = 90;  // samples, for as long as keyframes stay in a window
+constexpr double kLeastSigma = 0.05;     // of a sample: blur and motion are never known better
 
 }  // namespace
 
@@ -30,7 +29,7 @@ ExposureFilter::ExposureFilter(double log_exposure, double sigma) {
 }
 
 Eigen::Matrix2d ExposureFilter::Filter::transition(double dt) const {
-  const double straight = std::min(dt, kLongestExtrapolation);
+  const double straight = std::min(dt, kLongestExposureExtrapolation);
   Eigen::Matrix2d F;
   F << 1.0, straight, 0.0, straight < dt ? 0.0 : 1.0;
   return F;

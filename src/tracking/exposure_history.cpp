@@ -8,10 +8,9 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kLongestExtrapolation = 0.3;  // [s] as of ExposureFilter
-
 double beyond(const ExposureHistory::Entry& entry, double time) {
-  return entry.log_exposure + entry.rate * std::clamp(time - entry.time, -kLongestExtrapolation, kLongestExtrapolation);
+  return entry.log_exposure +
+         entry.rate * std::clamp(time - entry.time, -kLongestExposureExtrapolation, kLongestExposureExtrapolation);
 }
 
 }  // namespace

@@ -25,6 +25,9 @@ constexpr double kItsHalfReadout = 0.013;  // [s] of those recordings: half of t
 // 23, where 12.6 counts; checked on two others (scripts/webcam.sh --cameras told).
 constexpr double kRollingEvidence = 0.5;
 
+constexpr int kCalibrationStride = 4;  // of the points that tell about the calibration: a quarter is more than enough
+constexpr int kRollingStride = 1;      // and about the motion of every keyframe, 1.1 times better than with 2
+
 /// Where the states are: those of the keyframes, then their velocities by the rows, then the correction.
 struct Layout {
   int keyframes;
@@ -238,6 +241,16 @@ ImagingSystem linearizeImaging(WindowState& state, const WindowLinearizer& linea
   ReducedSystem reduced;
   SchurComplement().reduce(system, 0.0, reduced);
   return eliminateKeyframes(reduced, layout, half_readout);
+}
+
+CalibrationSystem refineRowMotions(WindowState& state, const WindowLinearizer& linearizer) {
+  const bool rolling = state.keyframes.front().readoutTime() != 0.0;
+  const ImagingSystem imaging = linearizeImaging(state, linearizer, rolling ? kRollingStride : kCalibrationStride);
+  auto step = imaging.velocity_steps.begin();
+  for (KeyframeState& k : state.keyframes) {
+    if (step != imaging.velocity_steps.end()) k.setVelocity(k.velocity + *step++);
+  }
+  return imaging.calibration;
 }
 
 }  // namespace mba_vo

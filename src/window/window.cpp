@@ -25,9 +25,6 @@ constexpr double kPoseAnchor = 1e10;        // information of the first pose [1/
 constexpr double kScalePrior = 1e10;        // information of the log of the scale
 constexpr double kBrightnessAnchor = 1e10;  // information of the first keyframe's a and b
 
-constexpr int kCalibrationStride = 4;  // of the points that tell about the calibration: a quarter is more than enough
-constexpr int kRollingStride = 1;      // and about the motion of every keyframe, 1.1 times better than with 2
-
 ResidualOptions residualOptions(const WindowConfig& config) {
   ResidualOptions options;
   options.huber_threshold = static_cast<float>(config.huber_threshold);
@@ -57,6 +54,7 @@ class Window::Impl {
         scale_prior_(kScalePrior) {}
 
   KeyframeState stateOf(const WindowKeyframe& keyframe) const;
+  const KeyframeState& keyframe(KeyframeId id) const { return state_.keyframe(state_.indexOf(id)); }
   void addKeyframe(const WindowKeyframe& keyframe);
   PointId insert(PointState point);
   void addResidual(PointState& point, int target) const;
@@ -260,15 +258,8 @@ void Window::setCorrection(const CalibrationCorrection& correction) {
 }
 
 CalibrationSystem Window::refineRowMotions() {
-  const bool rolling = impl_->state_.keyframes.front().readoutTime() != 0.0;
-  const ImagingSystem imaging =
-      linearizeImaging(impl_->state_, impl_->linearizer_, rolling ? kRollingStride : kCalibrationStride);
-  auto step = imaging.velocity_steps.begin();
-  for (KeyframeState& k : impl_->state_.keyframes) {
-    if (step != imaging.velocity_steps.end()) k.setVelocity(k.velocity + *step++);
-  }
   impl_->pairs_.clear();
-  return imaging.calibration;
+  return mba_vo::refineRowMotions(impl_->state_, impl_->linearizer_);
 }
 
 std::vector<KeyframeId> Window::keyframesToMarginalize() const { return impl_->keyframesToMarginalize(); }
@@ -281,19 +272,11 @@ std::vector<KeyframeId> Window::keyframes() const {
   return ids;
 }
 
-SE3 Window::T_map_keyframe(KeyframeId id) const {
-  return impl_->state_.keyframe(impl_->state_.indexOf(id)).T_map_keyframe();
-}
-
-PinholeCamera Window::camera(KeyframeId id) const { return impl_->state_.keyframe(impl_->state_.indexOf(id)).camera(); }
-
-BodyMotion Window::motion(KeyframeId id) const { return impl_->state_.keyframe(impl_->state_.indexOf(id)).motion(); }
-
-Vector6 Window::imageMotion(KeyframeId id) const { return impl_->state_.keyframe(impl_->state_.indexOf(id)).image_xi; }
-
-AffineBrightness Window::brightness(KeyframeId id) const {
-  return impl_->state_.keyframe(impl_->state_.indexOf(id)).brightness();
-}
+SE3 Window::T_map_keyframe(KeyframeId id) const { return impl_->keyframe(id).T_map_keyframe(); }
+PinholeCamera Window::camera(KeyframeId id) const { return impl_->keyframe(id).camera(); }
+BodyMotion Window::motion(KeyframeId id) const { return impl_->keyframe(id).motion(); }
+Vector6 Window::imageMotion(KeyframeId id) const { return impl_->keyframe(id).image_xi; }
+AffineBrightness Window::brightness(KeyframeId id) const { return impl_->keyframe(id).brightness(); }
 
 std::vector<WindowPoint> Window::points() const { return describePoints(impl_->state_); }
 

@@ -6,89 +6,16 @@
 #include <tbb/task_arena.h>
 
 #include "support/random.h"
-#include "window/planar_scene.h"
+#include "window/planar_views.h"
 
 namespace mba_vo {
 namespace {
 
-using test::PlanarScene;
-
-constexpr KeyframeId kFrames = 5;
-
-/// Keyframes of the analytic scene: sharp, and blurred by integration over their exposure.
-struct Views {
-  PinholeCamera camera = test::smallCamera();
-  PlanarScene scene = PlanarScene::corner(0.4);
-  std::vector<SE3> truth;
-  std::vector<Vector6> xi;
-  std::vector<cv::Mat1f> sharp;
-  std::vector<cv::Mat1f> blurred;
-
-  Views() {
-    for (KeyframeId i = 0; i < kFrames; ++i) {
-      const double t = static_cast<double>(i);
-      Vector6 v, motion;
-      v << 0.06 * t, 0.035 * std::sin(1.1 * t), 0.02 * std::sin(0.7 * t + 1.0), 0.02 * std::sin(0.9 * t), -0.012 * t,
-          0.015 * std::cos(t);
-      motion << 0.03 * std::cos(2.0 * t), 0.02 * std::sin(1.0 + t), 0.0, 0.02 * std::sin(2.0 * t),
-          0.03 * std::cos(3.0 * t), 0.02;
-      truth.push_back(SE3::exp(v));
-      xi.push_back(motion);
-      sharp.push_back(scene.render(camera, truth.back()));
-      blurred.push_back(scene.renderBlurred(camera, truth.back(), motion, 24));
-    }
-  }
-};
-
-const Views& views() {
-  static const Views kViews;
-  return kViews;
-}
-
-struct Disturbance {
-  SE3 T_world_map;     // the window's map is the world moved by this
-  double scale = 1.0;  // and scaled
-  double pose_noise = 1.0;
-  double depth_noise = 0.05;
-  int step = 12;  // between points [px]
-};
-
-/// Keyframes with disturbed poses, and points on a grid with disturbed inverse depths, in all of them.
-void fill(Window& window, const std::vector<WindowKeyframe>& images, const Disturbance& setup) {
-  const Views& v = views();
-  test::Random random(3);
-  for (KeyframeId i = 0; i < kFrames; ++i) {
-    WindowKeyframe keyframe = images[i];
-    keyframe.id = i;
-    SE3 guess = v.truth[i];
-    if (i > 0) guess = guess * SE3::exp(setup.pose_noise * random.tangent(0.01, 0.004));
-    guess = setup.T_world_map.inverse() * guess;
-    keyframe.T_map_keyframe = SE3(guess.rotation(), setup.scale * guess.translation());
-    keyframe.xi.head<3>() *= setup.scale;
-    window.addKeyframe(keyframe);
-  }
-  for (KeyframeId i = 0; i < kFrames; ++i) {
-    for (int y = 12; y < v.camera.height - 12; y += setup.step) {
-      for (int x = 12; x < v.camera.width - 12; x += setup.step) {
-        const double d = v.scene.inverseDepth(v.camera, v.truth[i], {x, y}) / setup.scale;
-        window.addPoint(i, {x, y}, d * std::exp(random.normal(setup.depth_noise)));
-      }
-    }
-  }
-}
-
-std::vector<WindowKeyframe> keyframesOf(const std::vector<cv::Mat1f>& hosts, const std::vector<cv::Mat1f>& targets,
-                                        bool moving) {
-  std::vector<WindowKeyframe> keyframes;
-  for (KeyframeId i = 0; i < kFrames; ++i) {
-    WindowKeyframe k;
-    k.sharp = test::pyramidOf(hosts[i], views().camera);
-    k.original = test::pyramidOf(targets[i], views().camera);
-    if (moving) k.xi = views().xi[i];
-    keyframes.push_back(k);
-  }
-  return keyframes;
-}
+using test::Disturbance;
+using test::fill;
+using test::keyframesOf;
+using test::kFrames;
+using test::views;
 
 double largestPositionError(const Window& window) {
   std::vector<SE3> estimate;
@@ -98,7 +25,7 @@ double largestPositionError(const Window& window) {
 }
 
 double medianDepthError(const Window& window) {
-  const Views& v = views();
+  const test::Views& v = views();
   std::vector<double> ratios;
   for (const WindowPoint& p : window.points()) {
     ratios.push_back(p.inverse_depth / v.scene.inverseDepth(v.camera, v.truth[p.host], p.pixel));
@@ -221,60 +148,6 @@ TEST(Window, OccludedViewsBecomeOutliers) {
   window.optimize(20);
   window.optimize(10);
   EXPECT_LT(largestPositionError(window), 2e-3);
-}
-
-TEST(Window, PointsTriedSideBySideAreThoseTriedInTurn) {
-  Disturbance truth;
-  truth.pose_noise = 0.0;
-  truth.depth_noise = 0.0;
-  truth.step = 40;
-  Window together(WindowConfig(), true);
-  Window in_turn(WindowConfig(), true);
-  const Views& v = views();
-  std::vector<NewPoint> candidates;
-  for (int x = 30; x < v.camera.width - 30; x += 7) {
-    candidates.push_back({2, {x, 50}, 1.05 * v.scene.inverseDepth(v.camera, v.truth[2], {x, 50})});
-  }
-  for (Window* window : {&together, &in_turn}) {
-    fill(*window, keyframesOf(views().sharp, views().sharp, false), truth);
-    window->optimize(5);
-  }
-  const std::vector<bool> added = together.activatePoints(candidates);
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    EXPECT_EQ(in_turn.activatePoints({candidates[i]}).front(), added[i]);
-  }
-  const std::vector<WindowPoint> points = together.points();
-  const std::vector<WindowPoint> expected = in_turn.points();
-  ASSERT_EQ(points.size(), expected.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    EXPECT_EQ(points[i].pixel, expected[i].pixel);
-    EXPECT_EQ(points[i].inverse_depth, expected[i].inverse_depth);
-  }
-}
-
-TEST(Window, ActivationRefinesDepthAndRefusesBadPoints) {
-  Disturbance truth;
-  truth.pose_noise = 0.0;
-  truth.depth_noise = 0.0;
-  truth.step = 40;
-  Window window(WindowConfig(), true);
-  fill(window, keyframesOf(views().sharp, views().sharp, false), truth);
-  window.optimize(5);
-  const Views& v = views();
-  test::Random random(9);
-  int good = 0, tried = 0, accepted_wrong = 0;
-  for (int y = 30; y < v.camera.height - 30; y += 11) {
-    for (int x = 30; x < v.camera.width - 30; x += 11) {
-      const double d = v.scene.inverseDepth(v.camera, v.truth[2], {x, y});
-      ++tried;
-      const bool added = window.activatePoints({{2, {x, y}, d * std::exp(random.normal(0.05))}}).front();
-      if (added && std::abs(window.points().back().inverse_depth / d - 1.0) < 0.02) ++good;
-      accepted_wrong += window.activatePoints({{2, {x, y}, 4.0 * d}}).front() ? 1 : 0;
-    }
-  }
-  EXPECT_GT(good, tried * 8 / 10);
-  EXPECT_LT(accepted_wrong, tried / 10);
-  EXPECT_FALSE(window.activatePoints({{2, {100, 100}, -1.0}}).front());
 }
 
 TEST(Window, KeepsItsSizeAndTheTwoNewestKeyframes) {

@@ -4,6 +4,9 @@
 
 namespace mba_vo {
 
+/// How far from a sample the rate of change of an exposure is believed [s].
+inline constexpr double kLongestExposureExtrapolation = 0.3;
+
 /// Exposures of the past as later images tell them, where nobody else does. Its log exposure has a value and a rate at
 /// the times of its samples.
 class ExposureHistory {

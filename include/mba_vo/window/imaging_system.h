@@ -19,4 +19,8 @@ struct ImagingSystem {
 /// From every `stride`-th point.
 ImagingSystem linearizeImaging(WindowState& state, const WindowLinearizer& linearizer, int stride);
 
+/// Moves the velocities of keyframes whose rows were read one after the other to where the residuals want them. Returns
+/// what else they say: errors left in the calibration.
+CalibrationSystem refineRowMotions(WindowState& state, const WindowLinearizer& linearizer);
+
 }  // namespace mba_vo
