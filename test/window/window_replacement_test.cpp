@@ -87,6 +87,23 @@ TEST(WindowReplacement, AnExposureThatIsKnownLaterIsAsOneThatWasKnownFromTheBegi
   EXPECT_THROW(untold.setExposure(7, Pair::kExposure, true), std::invalid_argument);
 }
 
+// What was read before has to be read again.
+TEST(WindowReplacement, AnExposureMayBeCorrectedAgain) {
+  const Pair pair;
+  Window told(WindowConfig(), true), corrected(WindowConfig(), true);
+  for (Window* window : {&told, &corrected}) pair.fill(*window, false);
+  for (const KeyframeId id : {0, 1}) corrected.setExposure(id, 0.8 * Pair::kExposure, true);
+  const WindowSummary before = corrected.optimize(0);
+  for (const KeyframeId id : {0, 1}) corrected.setExposure(id, Pair::kExposure, true);
+  WindowSummary after, expected;
+  for (int i = 0; i < 5; ++i) {  // thresholds follow the residuals, from one time to the next
+    after = corrected.optimize(0);
+    expected = told.optimize(0);
+  }
+  EXPECT_GT(before.rms, 2.0 * expected.rms);
+  EXPECT_LT(after.rms, 1.5 * expected.rms);
+}
+
 TEST(WindowReplacement, TheWindowGoesOnFromThere) {
   const Pair pair;
   Window window(WindowConfig(), true);

@@ -119,7 +119,7 @@ TEST(Lifecycle, ClockThatStandsStillForAWhile) {
   robot.see(kUntilMap, kUntilMap + 10);
   ASSERT_TRUE(robot.isDone(kUntilMap + 10));
   const Status status = robot.odometry->status();
-  EXPECT_EQ(status.state, Status::TRACKING);
+  EXPECT_TRUE(robot.becomesTracking());
   EXPECT_EQ(status.resets + status.frames_rejected + status.frames_missing + status.frames_lost, 0U);
 }
 
@@ -162,7 +162,7 @@ TEST(Lifecycle, TwoCamerasInOneManager) {
   ASSERT_TRUE(left.odometry->reset());
   ASSERT_TRUE(left.odometry->waitFor([](const Outputs& o) { return o.status.back()->resets == 1; }, kTimeout));
   EXPECT_EQ(right.odometry->status().resets, 0U);
-  EXPECT_EQ(right.odometry->status().state, Status::TRACKING);
+  EXPECT_TRUE(right.becomesTracking());
 }
 
 /// Images come one at a time, so both runs do the same in the same order, but for a map that comes an image later on a

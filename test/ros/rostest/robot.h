@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <filesystem>
@@ -102,9 +103,12 @@ class Robot {
     }
   }
 
+  /// With the newest image: a second after it, on a busy machine before anybody looks, the tracker waits for another.
   testing::AssertionResult becomesTracking() const {
     const auto is_tracking = [](const Outputs& o) {
-      return !o.status.empty() && o.status.back()->state == Status::TRACKING;
+      const auto newest = std::find_if(o.status.rbegin(), o.status.rend(),
+                                       [](const auto& status) { return status->state != Status::WAITING; });
+      return newest != o.status.rend() && (*newest)->state == Status::TRACKING;
     };
     if (odometry->waitFor(is_tracking, kTimeout)) return testing::AssertionSuccess();
     const Outputs outputs = odometry->outputs();
