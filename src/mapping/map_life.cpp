@@ -115,14 +115,22 @@ MapperOutput Mapper::Impl::giveUp(MapperOutput output) {
   return output;
 }
 
-MapperOutput Mapper::Impl::handleLost(const TrackedFrame& frame) {
+MapperOutput Mapper::Impl::handleLost(const TrackedFrame& frame, bool has_time) {
   MapperOutput output;
   if (const TrackedFrameConstPtr chosen = selector_.takeNow()) {
     insertKeyframe(chosen, output);
     return output;
   }
   if (refining_) refineNoFurther(output);
-  if (const auto found = recovery_.lose(frame, health_.usualFrameError())) return goOnFrom(*found, std::move(output));
+  recovery_.lose(frame);
+  // What was found for a frame of the past, or with a keyframe on its way, would come when the tracker is elsewhere.
+  const bool knows_newest =
+      frame.reference.map_id != map_->id() || frame.reference.keyframe_id >= reference_->id.keyframe_id;
+  output.searched = has_time && knows_newest && recovery_.isDue(frame);
+  if (output.searched) {
+    const auto found = recovery_.search(frame, health_.usualFrameError());
+    if (found) return goOnFrom(*found, std::move(output));
+  }
   if (!recovery_.isLostForGood()) return output;
   output.reference = closed("lost for too long, no map yet");
   output.message = "lost for too long: a new map begins";

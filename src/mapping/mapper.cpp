@@ -22,7 +22,8 @@ MapperOutput Mapper::Impl::process(const TrackedFrameConstPtr& frame, bool has_t
   if (!map_) return frame->blind || !has_time ? MapperOutput() : initialize(frame->frame);
   if (frame->frame->mid_exposure_ns <= last_.mid_exposure_ns) return revise(frame);
   // A tracker that was lost for so long that it gave up its reference reports INITIALIZING.
-  if (frame->status == TrackingStatus::kLost || (recovery_.isLost() && !frame->tracked())) return handleLost(*frame);
+  if (frame->status == TrackingStatus::kLost || (recovery_.isLost() && !frame->tracked()))
+    return handleLost(*frame, has_time);
   if (!frame->tracked()) return frame->blind ? MapperOutput() : resend();
   if (frame->reference.map_id != map_->id()) return stale(*frame);
   recovery_.find();

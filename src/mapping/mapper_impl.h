@@ -68,7 +68,7 @@ class Mapper::Impl {
   /// The map is wrong. Its last poses are forgotten, all of them if it has only just begun; the tracker is told to
   /// leave it. What a young map was made of may hold a better one.
   MapperOutput giveUp(MapperOutput output);
-  MapperOutput handleLost(const TrackedFrame& frame);
+  MapperOutput handleLost(const TrackedFrame& frame, bool has_time);
   /// The camera was found by a keyframe. If that has left the window, a new window begins with it.
   MapperOutput goOnFrom(const Relocalizer::Found& found, MapperOutput output);
   /// A tracker that goes on without a reference while there is a map was restarted; it is given the current one.

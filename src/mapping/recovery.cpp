@@ -16,15 +16,19 @@ void Recovery::keep(const Reference& keyframe, const Frame& frame, const LocalMa
   }
 }
 
-std::optional<Relocalizer::Found> Recovery::lose(const TrackedFrame& frame, double usual_error) {
+void Recovery::lose(const TrackedFrame& frame) { clock_.lose(frame.frame->mid_exposure_ns, frame.blind); }
+
+bool Recovery::isDue(const TrackedFrame& frame) const {
   const std::int64_t now = frame.frame->mid_exposure_ns;
-  clock_.lose(now, frame.blind);
   const bool on_its_way = found_ns_ && 1e-9 * static_cast<double>(now - *found_ns_) < kLongestWayThere;
-  if (frame.blind || on_its_way || clock_.seconds() < kLeastLost || isLostForGood()) return std::nullopt;
+  return !frame.blind && !on_its_way && clock_.seconds() >= kLeastLost && !isLostForGood();
+}
+
+std::optional<Relocalizer::Found> Recovery::search(const TrackedFrame& frame, double usual_error) {
   auto found = relocalizer_.find(frame.frame, usual_error);
   if (!found) return std::nullopt;
   clock_.find();
-  found_ns_ = now;
+  found_ns_ = frame.frame->mid_exposure_ns;
   return found;
 }
 

@@ -68,7 +68,7 @@ StepTime Machine::timeFor(const MapperStep& step) const {
 /// For a first map, or for a camera that is lost.
 double Machine::millisecondsWithoutMap(const MapperStep& step) const {
   const TrackedFrame& tracked = *step.cause.tracked;
-  if (tracked.status == TrackingStatus::kLost) return tracked.blind ? 0.0 : relocalize;
+  if (step.output.searched) return relocalize;
   if (tracked.status != TrackingStatus::kInitializing || !step.had_time || step.cause.has_reference) return 0.0;
   const double attempt = look_for_map + look_for_map_per_1000 * thousands(step.output);
   return beginsMap(step) ? attempt + first_map : attempt;

@@ -62,7 +62,7 @@ void MachineMeter::addFrame(const MapperStep& step, double ms) {
   } else if (tracked.status == TrackingStatus::kInitializing) {
     if (!step.cause.has_reference) look_for_map_.add(ms, thousands);
   } else if (tracked.status == TrackingStatus::kLost) {
-    if (!tracked.blind) relocalize_.add(ms);
+    if (step.output.searched) relocalize_.add(ms);
   } else if (!tracked.provisional) {
     depth_search_.add(ms);
   }

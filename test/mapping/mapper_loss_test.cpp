@@ -146,6 +146,25 @@ TEST(Mapper, FindsALostCameraByItsKeyframes) {
   EXPECT_NE(found, nullptr);
 }
 
+// What was found for it would come when the tracker is elsewhere, and take it there.
+TEST(Mapper, DoesNotLookForLostFramesOfThePast) {
+  Mapper mapper(config());
+  Follower follower(mapper);
+  const ReferenceId older = mapper.currentReference()->id;
+  follower.toNextKeyframe();
+  const ReferenceId newest = mapper.currentReference()->id;
+  ASSERT_GT(newest.keyframe_id, older.keyframe_id);
+  const auto lost = [](double t, const ReferenceId& tried) {
+    auto frame = std::make_shared<TrackedFrame>(*report(shifted(frames()[0], t), TrackingStatus::kLost));
+    frame->reference = tried;
+    return frame;
+  };
+  EXPECT_FALSE(mapper.process(lost(10.0, newest)).searched) << "not lost for long yet";
+  EXPECT_FALSE(mapper.process(lost(10.2, newest), false).searched) << "newer frames wait";
+  EXPECT_TRUE(mapper.process(lost(10.4, newest)).searched);
+  EXPECT_FALSE(mapper.process(lost(10.6, older)).searched) << "a newer keyframe is on its way";
+}
+
 TEST(Mapper, ATrackedFrameEndsBeingLost) {
   Mapper mapper(config());
   const Initialised initial = initialise(mapper);

@@ -25,6 +25,7 @@ MapperStep frameStep(TrackingStatus status) {
   MapperStep step;
   step.kind = MapperStep::Kind::kFrame;
   step.cause = imageStep(status, 0.0).message;
+  step.output.searched = status == TrackingStatus::kLost;
   return step;
 }
 

@@ -71,7 +71,8 @@ class LocalMap {
   bool refineWindow(KeyframeReport& report);
   /// The last piece at once, because the next keyframe cannot wait: the window stays as far as it is optimised.
   void refineWindowNoFurther(KeyframeReport& report);
-  int residualCount() const { return window_.residualCount(); }
+  /// That the next piece of the refinement goes through.
+  int residualCount() const { return refinement_.next == Refinement::Piece::kSelect ? 0 : window_.residualCount(); }
 
   /// Whether with the sharp image in place of its own the keyframe would explain the others of the window no worse.
   bool explainsAsWell(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp) const;
@@ -102,8 +103,8 @@ class LocalMap {
   };
   /// How far the window is refined with its newest keyframe.
   struct Refinement {
-    enum class Piece { kBegin, kIterate, kConclude };
-    Piece next = Piece::kBegin;
+    enum class Piece { kSelect, kBegin, kIterate, kConclude };
+    Piece next = Piece::kSelect;
     int calibration_steps = 0;  // taken
   };
 
@@ -119,6 +120,7 @@ class LocalMap {
   void conclude(KeyframeReport& report);
   void updateSlopes();
   void selectImmaturePoints(HostKeyframe& host) const;
+  void selectNewestPoints(KeyframeReport& report);
   void marginalizeKeyframes();
   void storePoses();
   bool refineImaging(KeyframeReport& report);

@@ -18,6 +18,7 @@ namespace mba_vo {
 struct MapperOutput {
   ReferenceConstPtr reference;                  // new snapshot for the tracker, or null
   bool inserted = false;                        // a keyframe: the reference is a draft of it
+  bool searched = false;                        // for a frame that the tracker lost, among the keyframes
   int residuals = 0;                            // that the optimisation, or what it was instead, went through
   std::optional<KeyframeReport> keyframe;       // set if one has been refined, or had to do with what there was
   std::optional<SharpKeyframe> sharp_keyframe;  // set if one has been deblurred
@@ -35,9 +36,9 @@ class Mapper {
   Mapper& operator=(const Mapper&) = delete;
 
   /// Without time to spare, because other frames wait, it leaves out what others may do as well: to look for a first
-  /// map in this frame, or for depths. A keyframe that it inserts is of use at once: the reference in the output is a
-  /// snapshot of it, a draft. It waits for refine(), which may be called between frames, or after them. When the view
-  /// is being left, the next one is inserted before that is done.
+  /// map in this frame, or for depths, or for where the camera was when it was lost. A keyframe that it inserts is of
+  /// use at once: the reference in the output is a snapshot of it, a draft. It waits for refine(), which may be called
+  /// between frames, or after them. When the view is being left, the next one is inserted before that is done.
   MapperOutput process(const TrackedFrameConstPtr& frame, bool has_time = true);
   /// Whether there is a keyframe to be refined, or one to be inserted that waited for this.
   bool needsRefinement() const;

@@ -17,8 +17,12 @@ class Recovery {
   /// Keeps a new keyframe, and what is known by now of the others in the window of `map`.
   void keep(const Reference& keyframe, const Frame& frame, const LocalMap& map);
 
-  /// Takes a frame that the tracker lost. `usual_error`: of frames in this map [px].
-  std::optional<Relocalizer::Found> lose(const TrackedFrame& frame, double usual_error);
+  /// Takes a frame that the tracker lost.
+  void lose(const TrackedFrame& frame);
+  /// It is time to look for it: lost for long enough, and nothing is on its way to the tracker.
+  bool isDue(const TrackedFrame& frame) const;
+  /// Among the keyframes kept. `usual_error`: of frames in this map [px].
+  std::optional<Relocalizer::Found> search(const TrackedFrame& frame, double usual_error);
   /// The keyframes kept.
   KeyframeArchive& archive() { return relocalizer_.archive(); }
   bool isLost() const { return clock_.lost(); }
