@@ -20,6 +20,9 @@ constexpr int kDeparturesPerReturn = 8;    // of keyframes, until the memory the
 bool LocalMap::refineWindow(KeyframeReport& report) {
   const StageClock::time_point begin = StageClock::now();
   switch (refinement_.next) {
+    case Refinement::Piece::kSelect:
+      selectNewestPoints(report);
+      break;
     case Refinement::Piece::kBegin:
       beginOptimization(report);
       break;
@@ -31,15 +34,24 @@ bool LocalMap::refineWindow(KeyframeReport& report) {
       break;
   }
   report.total_ms += millisecondsSince(begin);
-  return refinement_.next != Refinement::Piece::kBegin;
+  return refinement_.next != Refinement::Piece::kSelect;
 }
 
 void LocalMap::refineWindowNoFurther(KeyframeReport& report) {
   const StageClock::time_point begin = StageClock::now();
   // What has not begun is left to the next keyframe: to begin costs more than all the rest.
   if (refinement_.next == Refinement::Piece::kIterate) endOptimization(report);
+  if (refinement_.next == Refinement::Piece::kSelect) selectNewestPoints(report);
   conclude(report);
   report.total_ms += millisecondsSince(begin);
+}
+
+/// At once, so that depths are searched in the very next frames: on fast turns there are few that show them.
+void LocalMap::selectNewestPoints(KeyframeReport& report) {
+  const StageClock::time_point stage = StageClock::now();
+  selectImmaturePoints(keyframes_.at(newestKeyframe()));
+  report.selection_ms = millisecondsSince(stage);
+  refinement_.next = Refinement::Piece::kBegin;
 }
 
 void LocalMap::beginOptimization(KeyframeReport& report) {
@@ -73,12 +85,9 @@ void LocalMap::endOptimization(KeyframeReport& report) {
 }
 
 void LocalMap::conclude(KeyframeReport& report) {
-  StageClock::time_point stage = StageClock::now();
+  const StageClock::time_point stage = StageClock::now();
   marginalizeKeyframes();
   report.marginalisation_ms = millisecondsSince(stage);
-  stage = StageClock::now();
-  selectImmaturePoints(keyframes_.at(newestKeyframe()));
-  report.selection_ms = millisecondsSince(stage);
   report.points = window_.pointCount();
   report.depth_search_ms = std::exchange(depth_search_ms_, 0.0);
   refinement_ = {};
