@@ -253,14 +253,18 @@ TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& giv
   const Job job(reference, *frame, guess, levels, config_.max_points);
   AlignmentState state = guess.is_close ? starts(job).front() : bestStart(job, levels - 1);
   LevelResult result{};
-  for (int level = std::max(std::min(levels - 2, guess.is_close ? kCloseLevel : levels), 0); level >= 0; --level) {
+  bool hopeless = false;
+  const int first_level = std::max(std::min(levels - 2, guess.is_close ? kCloseLevel : levels), 0);
+  for (int level = first_level; level >= 0 && !hopeless; --level) {
     state.bend = bendFor(job, state);
     // Coarser levels start far off: residuals there tell about the start, not about the images.
     const double huber_threshold = level == 0 ? kFollowResiduals : config_.huber_threshold;
     result = align(job, level, state, config_.max_iterations, huber_threshold);
     state = result.minimum.state;
+    // Where so little agrees, finer levels only take their time: tracked frames of spin and shake have 0.4 or more.
+    hopeless = level < first_level && result.minimum.equations.statistics.inlier_fraction < config_.min_inlier_fraction;
   }
-  result = preferExpectedDirection(job, result);
+  if (!hopeless) result = preferExpectedDirection(job, result);
   state = result.minimum.state;
 
   TrackedFrame tracked;
