@@ -154,7 +154,8 @@ bool TrackingLoop::beginMap(const ReferenceConstPtr& reference) {
 
 /// Frames that saw the older keyframe badly and came after the new one's image are to be tracked once more.
 void TrackingLoop::changeKeyframe(const ReferenceConstPtr& reference, bool may_go_back) {
-  const bool found = reference->cause == ReferenceCause::kFoundAgain && frames_.lost();
+  const bool lost = phase_ == TrackingPhase::kLost || frames_.lost();
+  const bool found = reference->cause == ReferenceCause::kFoundAgain && lost;
   const bool newest_known = phase_ == TrackingPhase::kRevising || phase_ == TrackingPhase::kTracking;
   if (phase_ != TrackingPhase::kRevising) {
     newest_ = frames_.state();

@@ -94,7 +94,7 @@ const std::vector<PhaseTransition>& phaseTransitions() {
 
       {P::kLost, E::kMapBegins, P::kCatchingUp},
       {P::kLost, E::kMapClosed, P::kNoMap},
-      {P::kLost, E::kKeyframe, P::kTracking},
+      {P::kLost, E::kKeyframe, P::kLost},
       {P::kLost, E::kGoBack, P::kGoingBack},
       {P::kLost, E::kFrameTracked, P::kTracking},
       {P::kLost, E::kFrameLost, P::kLost},
