@@ -6,8 +6,8 @@
 
 #include "mba_vo/image/parallel_for.h"
 #include "mba_vo/image/point_selector.h"
+#include "mba_vo/mapping/point_activator.h"
 #include "mba_vo/window/motion_alignment.h"
-#include "mba_vo/window/point_activator.h"
 #include "stage_clock.h"
 
 namespace mba_vo {

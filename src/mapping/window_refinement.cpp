@@ -3,8 +3,8 @@
 
 #include "mba_vo/mapping/freed_memory.h"
 #include "mba_vo/mapping/local_map.h"
+#include "mba_vo/mapping/point_activator.h"
 #include "mba_vo/window/motion_alignment.h"
-#include "mba_vo/window/point_activator.h"
 #include "stage_clock.h"
 
 namespace mba_vo {

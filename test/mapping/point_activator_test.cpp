@@ -1,4 +1,4 @@
-#include "mba_vo/window/point_activator.h"
+#include "mba_vo/mapping/point_activator.h"
 
 #include <cmath>
 
