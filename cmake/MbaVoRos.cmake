@@ -41,7 +41,7 @@ mba_vo_ros_target(mba_vo_ros)
 target_link_libraries(mba_vo_ros PUBLIC mba_vo_capture mba_vo_inspection mba_vo_simulation ${catkin_LIBRARIES})
 
 # The nodelets, two of them in one process for rosrun, and the manager of the launch files.
-file(GLOB MBA_VO_NODELET_SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/ros/nodelets/*.cpp)
+file(GLOB MBA_VO_NODELET_SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/nodelets/*.cpp)
 if(MBA_VO_NODELET_SOURCES)
   add_library(mba_vo_nodelets SHARED ${MBA_VO_NODELET_SOURCES})
   mba_vo_ros_target(mba_vo_nodelets)
