@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Renders three short sequences, runs the odometry over each from five starts, as if live (mba_vo_offline --live), and fails
-# if the median of the error, as published or smoothed, is above its limit: 1.5 times what it was when this was last set.
+# if a run does, or if the median of the error, as published or smoothed, is above its limit: at most 1.5 times what it was
+# when this was last set.
 #
 #   scripts/check_accuracy.sh [--output DIR] [--bin DIR]
 #
@@ -24,8 +25,12 @@ done
 source scripts/figures.sh
 starts=(0 5 10 15 20)
 
-# Limits in mm, as published and smoothed, and how each is rendered.
-declare -A limits=([hand]="2.1 1.0" [gentle]="1.0 0.75" [dim]="6.3 3.3")
+# Limits in mm, as published and smoothed, beside the medians that they come from; and how each is rendered.
+declare -A limits=(
+  [hand]="2.1 1.0"     # 1.54 0.70
+  [gentle]="1.0 0.66"  # 0.74 0.44
+  [dim]="6.3 3.1"      # 5.02 2.06
+)
 declare -A options=(
   [hand]="--scene-seed 31 --trajectory-seed 31"
   [gentle]="--scene-seed 32 --trajectory-seed 32 --shake 0.4"
@@ -33,11 +38,16 @@ declare -A options=(
 )
 
 failed=0
-# check NAME WHAT LIMIT VALUE...: values in m
+# check NAME WHAT LIMIT VALUE...: values in m, empty for a run that failed
 check() {
   local value
+  if [ "$(printf '%s\n' "${@:4}" | awk '0 + $1 > 0' | wc -l)" -ne $(($# - 3)) ]; then
+    printf '%s, %s: a run without a figure\n' "$1" "$2" >&2
+    failed=1
+    return
+  fi
   value=$(median "${@:4}")
-  if awk -v v="$value" -v limit="$3" 'BEGIN { exit !(v > 0 && 1e3 * v <= limit) }'; then
+  if awk -v v="$value" -v limit="$3" 'BEGIN { exit !(1e3 * v <= limit) }'; then
     printf '%s, %s: %.2f mm of at most %s\n' "$1" "$2" "$(awk -v v="$value" 'BEGIN { print 1e3 * v }')" "$3"
   else
     printf '%s, %s: %s m, more than %s mm\n' "$1" "$2" "$value" "$3" >&2
@@ -55,8 +65,8 @@ for name in hand gentle dim; do
   published=() smoothed=()
   for start in "${starts[@]}"; do
     run_and_print "$name-$start" "$sequence" --live --skip "$start"
-    published+=("$(figure "$output/$name-$start/evaluation.yaml" causal.map.ate rmse)")
-    smoothed+=("$(figure "$output/$name-$start/evaluation.yaml" smoothed.ate rmse)")
+    published+=("$(figure "$output/$name-$start/evaluation.yaml" causal.map.ate rmse || true)")
+    smoothed+=("$(figure "$output/$name-$start/evaluation.yaml" smoothed.ate rmse || true)")
   done
   read -r -a limit <<<"${limits[$name]}"
   check "$name" "as published" "${limit[0]}" "${published[@]}"
