@@ -25,22 +25,22 @@ figure() {
 }
 
 print_header() {
-  printf '%-20s | %9s %9s %8s %8s %8s %8s | %9s %9s %7s %7s %8s | %8s %6s %5s\n' run 'map ATE' 'odom ATE' 'in time' \
-    'moving' 'first[s]' 'p95[ms]' 'smoothed' 'rot[deg]' 'tracked' 'dropped' 'restarts' 'track ms' 'map ms' MB
+  printf '%-20s | %9s %9s %8s %8s %8s %8s | %9s %9s %7s %7s %8s %4s | %8s %6s %5s\n' run 'map ATE' 'odom ATE' 'in time' \
+    'moving' 'first[s]' 'p95[ms]' 'smoothed' 'rot[deg]' 'tracked' 'dropped' 'restarts' 'maps' 'track ms' 'map ms' MB
 }
 
 # print_run NAME FOLDER: figures of a run that has been evaluated (evaluation.yaml, and summary.yaml if it was offline);
-# ATE in m; shares of images with a pose within a frame interval, of all and of those after the first parallax, in %
+# ATE in m; passes over the data before the one that counts, and maps that were begun; shares of images with a pose within a frame interval, of all and of those after the first parallax, in %
 print_run() {
   local e=$2/evaluation.yaml s=$2/summary.yaml
-  printf '%-20s | %9.5f %9.5f %7.1f%% %7.1f%% %8.2f %8.1f | %9.5f %9.3f %6.1f%% %7d %8d | ' "$1" \
+  printf '%-20s | %9.5f %9.5f %7.1f%% %7.1f%% %8.2f %8.1f | %9.5f %9.3f %6.1f%% %7d %8d %4d | ' "$1" \
     "$(figure "$e" causal.map.ate rmse)" "$(figure "$e" causal.odometry.ate rmse)" \
     "$(figure "$e" causal.availability.pose_in_time percent)" \
     "$(figure "$e" causal.availability.pose_in_time_moving percent)" \
     "$(figure "$e" causal.availability.first_pose_after_parallax)" \
     "$(figure "$e" causal.availability.latency_ms percentile_95)" "$(figure "$e" smoothed.ate rmse)" \
     "$(figure "$e" smoothed.rotation rmse)" "$(awk -v d="$(figure "$e" smoothed.dropped_percent)" 'BEGIN { print 100 - d }')" \
-    "$(figure "$e" smoothed.dropped_after_initialization)" "$(figure "$e" causal.restarts)"
+    "$(figure "$e" smoothed.dropped_after_initialization)" "$(figure "$e" causal.restarts)" "$(figure "$e" causal.map.maps)"
   if [ -s "$s" ]; then
     printf '%8.1f %6.1f %5.0f\n' "$(figure "$s" times.tracking per_frame_ms)" "$(figure "$s" times.mapping per_frame_ms)" \
       "$(figure "$s" peak_memory_mb)"
@@ -71,18 +71,24 @@ run_and_print() {
 # median NUMBER...
 median() { printf '%s\n' "$@" | sort -g | sed -n "$((($# + 1) / 2))p"; }
 
-# print_median NAME RUN...: of these runs, ATE as published and smoothed; one start says little, the figures scatter by half
+# largest NUMBER...
+largest() { printf '%s\n' "$@" | sort -g | tail -n 1; }
+
+# print_median NAME RUN...: of these runs, ATE as published and smoothed, and the most restarts and maps that one of them
+# had; one start says little, the figures scatter by half
 print_median() {
   local name=$1 run
-  local online=() moving=() smoothed=()
+  local online=() moving=() smoothed=() restarts=() maps=()
   shift
   for run in "$@"; do
     online+=("$(figure "$output/$run/evaluation.yaml" causal.map.ate rmse)")
     moving+=("$(figure "$output/$run/evaluation.yaml" causal.availability.pose_in_time_moving percent)")
     smoothed+=("$(figure "$output/$run/evaluation.yaml" smoothed.ate rmse)")
+    restarts+=("$(figure "$output/$run/evaluation.yaml" causal.restarts)")
+    maps+=("$(figure "$output/$run/evaluation.yaml" causal.map.maps)")
   done
-  printf 'median of %-10s | %9.5f %26s%% %18s | %9.5f\n' "$name" "$(median "${online[@]}")" "$(median "${moving[@]}")" '' \
-    "$(median "${smoothed[@]}")"
+  printf 'median of %-10s | %9.5f %26s%% %18s | %9.5f %26s %8d %4d\n' "$name" "$(median "${online[@]}")" "$(median "${moving[@]}")" '' \
+    "$(median "${smoothed[@]}")" '' "$(largest "${restarts[@]}")" "$(largest "${maps[@]}")"
 }
 
 # run_starts NAME SEQUENCE [OPTION...]: as live, without so many of the first images as each of $starts says
