@@ -13,7 +13,6 @@ constexpr double kCorrelation = 50.0;
 // Of six degrees of freedom, 95 %. Right calibrations stayed below 5; where 50 was waited for,
 // the scale of kitchen had drifted by a fifth before a first step was taken (docs/decisions/2026-11-21-calibration.md).
 constexpr double kSignificant = 12.6;  // chi^2 of a step worth taking
-constexpr double kStep = 1.5;
 // The same of three. Right cameras took steps of up to 0.6 % of the light; true vignettes a first one of 8 to 20 %.
 constexpr double kSignificantVignette = 7.8;
 // Five standard deviations: what is not told of a shutter is far from what was taken for it, or right.
@@ -89,7 +88,7 @@ bool CalibrationEstimator::correctGeometry() {
   }
   const CalibrationCorrection::Vector step = -system.H.ldlt().solve(system.b);
   if (!(step.dot(system.H * step) > kSignificant)) return false;
-  correction_.values += kStep * step;
+  correction_.values += step;
   return true;
 }
 

@@ -197,7 +197,6 @@ void addVelocityPriors(const WindowState& state, const Layout& layout, double ha
 /// The keyframes' states eliminated, the velocities moved to where they want to be.
 ImagingSystem eliminateKeyframes(const ReducedSystem& reduced, const Layout& layout, double half_readout) {
   const int n = layout.correction();
-  const int poses = kKeyframeDim * layout.keyframes;
   Eigen::MatrixXd H = reduced.H.topLeftCorner(n, n);
   H.diagonal() *= 1.0 + kDamping;
   H.topLeftCorner<kKeyframeDim, kKeyframeDim>().diagonal() *= kFirstKeyframe;
@@ -205,20 +204,12 @@ ImagingSystem eliminateKeyframes(const ReducedSystem& reduced, const Layout& lay
   H = scale.asDiagonal() * H * scale.asDiagonal();
   // Above the diagonal, where the correction's columns are filled.
   const Eigen::MatrixXd mixed = scale.asDiagonal() * reduced.H.block(0, n, n, kCorrectionDim);
-  const Eigen::LDLT<Eigen::MatrixXd> of_all(H);
-  const Eigen::VectorXd solved = of_all.solve(scale.cwiseProduct(reduced.b.head(n)));
+  const Eigen::LDLT<Eigen::MatrixXd> factors(H);
+  const Eigen::VectorXd solved = factors.solve(scale.cwiseProduct(reduced.b.head(n)));
   ImagingSystem out;
+  out.calibration.H = reduced.H.block<kCorrectionDim, kCorrectionDim>(n, n) - mixed.transpose() * factors.solve(mixed);
   out.calibration.b = reduced.b.segment<kCorrectionDim>(n) - mixed.transpose() * solved;
-  const auto of_poses = mixed.topRows(poses);
-  const Eigen::LDLT<Eigen::MatrixXd> factors(H.topLeftCorner(poses, poses));
-  out.calibration.H =
-      reduced.H.block<kCorrectionDim, kCorrectionDim>(n, n) - of_poses.transpose() * factors.solve(of_poses);
   if (!layout.rolling) return out;
-  constexpr int kRow = CalibrationCorrection::kRowTime;
-  const double row_time = reduced.H(n + kRow, n + kRow) - mixed.col(kRow).dot(of_all.solve(mixed.col(kRow)));
-  const double share = std::sqrt(std::max(row_time, 0.0) / out.calibration.H(kRow, kRow));
-  out.calibration.H.row(kRow) *= share;
-  out.calibration.H.col(kRow) *= share;
   out.calibration.H *= kRollingEvidence;
   out.calibration.b *= kRollingEvidence;
   const Eigen::VectorXd step = -scale.cwiseProduct(solved) / half_readout;
