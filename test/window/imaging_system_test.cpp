@@ -141,6 +141,23 @@ TEST(ImagingSystem, VelocitiesStayWhereRowsAreReadAllButAtOnce) {
   }
 }
 
+// The velocities, which could be otherwise as well, are unknowns of the evidence as they are of the gradient.
+TEST(ImagingSystem, EvidenceAndGradientAgreeUnderARollingShutter) {
+  constexpr double kWrong = 4e-3;
+  for (const int number : {0, 1, 2, 3}) {  // focal length, centre, lens
+    const auto systemWith = [&](double lacking) {
+      Random random(8);
+      RollingWindow window(random);
+      for (KeyframeState& keyframe : window.state.keyframes) keyframe.lacking.values(number) = lacking;
+      const WindowLinearizer linearizer(ResidualOptions(), true);
+      linearizer.placePixels(window.state, 0.75F);
+      return linearizeImaging(window.state, linearizer, 1).calibration;
+    };
+    const CalibrationSystem right = systemWith(0.0), wrong = systemWith(kWrong);
+    EXPECT_NEAR((wrong.b(number) - right.b(number)) / right.H(number, number), kWrong, 0.2 * kWrong) << number;
+  }
+}
+
 TEST(ImagingSystem, RightVelocitiesStay) {
   Random random(8);
   RollingWindow window(random);
