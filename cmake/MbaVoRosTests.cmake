@@ -56,6 +56,9 @@ add_test(NAME bad_bags COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/
   ${CMAKE_CURRENT_SOURCE_DIR}/tools/ros/play_bag)
 set_tests_properties(bad_bags PROPERTIES TIMEOUT 300 ENVIRONMENT "${ros_test_environment}")
 
+add_test(NAME launch_files COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/launch_files_test.py)
+set_tests_properties(launch_files PROPERTIES ENVIRONMENT "${ros_test_environment}")
+
 # Nodes of the package as it is installed and moved elsewhere by test/package/package_test.cmake.
 set(installed ${CMAKE_CURRENT_BINARY_DIR}/.package_test/moved)
 set(installed_environment
