@@ -35,6 +35,13 @@ class LaunchFiles(unittest.TestCase):
         self.assertEqual(expected, {key: parameters["/mba_vo/" + key] for key in expected})
         self.assertEqual("0.1 0 0 -1.5708 0 -1.5708 robot eye", nodes["/mba_vo/extrinsic"].args)
 
+    def test_a_device_is_a_number_or_a_path_from_where_one_launches(self):
+        for device, path in (("0", "0"), ("12", "12"), ("/dev/video0", "/dev/video0"),
+                             ("~/v.mp4", "/home/somebody/v.mp4"), ("2024-walk.mp4", FOLDER + "/2024-walk.mp4"),
+                             ("a b.mp4", FOLDER + "/a b.mp4"), ("../walk", FOLDER + "/../walk")):
+            parameters, _ = launched("launch/webcam.launch", "device:=" + device)
+            self.assertEqual(path, parameters["/camera/device"])
+
 
 if __name__ == "__main__":
     unittest.main()
