@@ -70,3 +70,9 @@ mba_vo_tool_test(simulate_long_exposure mba_vo_simulate "exposure = 0.05[0-9]* s
 mba_vo_tool_test(simulate_wrong_lens mba_vo_simulate "distortion_model = 'barrel' is none of"
   --output out --distortion-model barrel)
 mba_vo_tool_test(check_nothing_there mba_vo_check "/nonexistent: no such folder or bag" /nonexistent)
+mba_vo_tool_test(check_topic_of_a_folder mba_vo_check "--image-topic /x: only bags have topics" ${CMAKE_CURRENT_SOURCE_DIR}
+  --image-topic /x)
+mba_vo_tool_test(check_images_of_a_bag mba_vo_check "--images x: only folders have such" ${CMAKE_CURRENT_SOURCE_DIR}/package.xml
+  --images x)
+mba_vo_tool_test(check_camera_of_a_bag mba_vo_check "--camera cam1: for a bag it chooses from --calibration"
+  ${CMAKE_CURRENT_SOURCE_DIR}/package.xml --camera cam1)

@@ -80,7 +80,8 @@ Commands commandsFor(const InspectionReport& report, const CameraReport& camera)
              option("--exposure-topic ", source.exposure) + option("--exposure ", exposureToTell(camera));
   if (config) offline += std::string(" --config ") + kOptionsFile;
   commands.lines.push_back(offline);
-  if (report.is_bag) commands.lines.push_back(launchLine(report, camera, config));
+  const bool live = report.is_bag && source.calibration_file.empty();  // nodes read the camera_info of the bag
+  if (live) commands.lines.push_back(launchLine(report, camera, config));
   return commands;
 }
 

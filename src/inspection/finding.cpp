@@ -21,7 +21,7 @@ const std::vector<CheckText>& allChecks() {
     {Check::kMissingImages, "missing-images", kProblem, "the folder is not opened", "take their lines out of times.txt, or add them"},
     {Check::kBadTimes, "bad-times", kProblem, "the folder is not opened", "write times.txt as 'id time[s] exposure[ms]'"},
     // Calibration.
-    {Check::kNoCameraInfo, "no-camera-info", kProblem, "every image is rejected", "calibrate the camera, and record its camera_info"},
+    {Check::kNoCameraInfo, "no-camera-info", kProblem, "every image is rejected", "calibrate the camera, and record its camera_info; or tell --calibration"},
     {Check::kBadCameraInfo, "bad-camera-info", kProblem, "every image is rejected", "calibrate the camera"},
     {Check::kCameraInfoSize, "camera-info-size", kProblem, "every image is rejected", "calibrate at the size of the images, or tell binning and roi"},
     {Check::kOddCalibration, "odd-calibration", kProblem, "a wrong shape of the map, lost tracks, or no map at all", "look at the calibration again; mba_vo_calibrate corrects some per cent"},

@@ -15,6 +15,7 @@
 #include "bag_topics.h"
 #include "mba_vo/inspection/camera_inspection.h"
 #include "mba_vo/inspection/judgements.h"
+#include "mba_vo/io/camera_file.h"
 #include "mba_vo/ros/camera_info.h"
 #include "mba_vo/ros/compressed_image.h"
 #include "mba_vo/ros/conversions.h"
@@ -49,15 +50,22 @@ bool endsEarly(const sensor_msgs::CompressedImage& message) {
 /// Of one camera of a bag.
 class BagCamera {
  public:
-  BagCamera(const rosbag::Bag& bag, const BagContents& contents, const std::string& file, const std::string& topic)
+  BagCamera(const rosbag::Bag& bag, const BagContents& contents, const std::string& file, const std::string& topic,
+            const BagInspectionOptions& options)
       : bag_(bag), contents_(contents), file_(file) {
     source_.name = source_.image = topic;
     source_.exposure = exposureTopicFor(contents, topic);
     source_.compressed = contents.at(topic).type == "sensor_msgs/CompressedImage";
+    source_.calibration_file = options.calibration_file;
+    source_.camera = options.camera;
   }
 
   CameraReport inspect(const std::function<void()>& progress) {
-    readCalibration();
+    if (source_.calibration_file.empty()) {
+      readCameraInfo();
+    } else {
+      readCalibrationFile();
+    }
     readExposures();
     notice(source_.image, forEachMessage(bag_, source_.image, [&](const rosbag::MessageInstance& message) {
              progress();
@@ -81,7 +89,15 @@ class BagCamera {
                                 " messages of " + topic + " cannot be read, the first because: " + broken.first);
   }
 
-  void readCalibration() {
+  void readCalibrationFile() {
+    try {
+      camera_.setCalibration(readCameraFile(source_.calibration_file, source_.camera).calibration);
+    } catch (const std::runtime_error& error) {
+      say(Check::kBadCameraInfo, error.what());
+    }
+  }
+
+  void readCameraInfo() {
     BagTopics wanted;
     wanted.image = source_.image;
     wanted.exposure = source_.exposure;
@@ -188,7 +204,7 @@ std::vector<std::string> chooseTopics(const BagContents& contents, const std::st
 
 }  // namespace
 
-InspectionReport inspectBag(const std::string& file, const std::string& image_topic,
+InspectionReport inspectBag(const std::string& file, const BagInspectionOptions& options,
                             const InspectionProgress& progress) {
   InspectionReport report;
   report.path = file;
@@ -205,12 +221,12 @@ InspectionReport inspectBag(const std::string& file, const std::string& image_to
   }
   describeContents(bag, contents, report);
   report.findings = wrongTypes(contents);
-  const std::vector<std::string> topics = chooseTopics(contents, image_topic, report);
+  const std::vector<std::string> topics = chooseTopics(contents, options.image_topic, report);
   std::size_t all = 0;
   for (const std::string& topic : topics) all += contents.at(topic).messages;
   std::size_t done = 0;
   for (const std::string& topic : topics) {
-    BagCamera camera(bag, contents, file, topic);
+    BagCamera camera(bag, contents, file, topic, options);
     report.cameras.push_back(camera.inspect([&] { progress(++done, all); }));
   }
   return report;
