@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """What the launch files make of their arguments, as roslaunch understands them; nothing is started."""
 import os
+import re
 import unittest
 
 import roslaunch.config
@@ -8,6 +9,11 @@ import rospkg
 
 FOLDER = "/where/roslaunch/is/started"
 PACKAGE = rospkg.RosPack().get_path("mba_vo")
+
+
+def read(name):
+    with open(os.path.join(PACKAGE, name), encoding="utf-8") as file:
+        return file.read()
 
 
 def launched(name, *arguments):
@@ -41,6 +47,26 @@ class LaunchFiles(unittest.TestCase):
                              ("a b.mp4", FOLDER + "/a b.mp4"), ("../walk", FOLDER + "/../walk")):
             parameters, _ = launched("launch/webcam.launch", "device:=" + device)
             self.assertEqual(path, parameters["/camera/device"])
+
+    def test_rviz_shows_the_namespace_and_the_map_frame_that_are_told(self):
+        _, nodes = launched("launch/mba_vo.launch", "ns:=left", "map_frame:=left_map", "rviz:=true")
+        rviz = nodes["/left/rviz"]
+        self.assertIn('-f "left_map"', rviz.args)
+        shown = set(re.findall(r"Topic: (\S+)", read("rviz/mba_vo.rviz")))
+        self.assertEqual({(topic, topic.replace("/mba_vo/", "")) for topic in shown}, set(map(tuple, rviz.remap_args)))
+
+    def test_what_ends_is_started_again_but_where_a_bag_is_played(self):
+        for arguments, required in (((), False), (("bag:=x.bag",), True), (("bag:=x.bag", "required:=false"), False),
+                                    (("required:=true",), True)):
+            _, nodes = launched("launch/mba_vo.launch", *arguments)
+            for name in ("mapping", "tracking"):
+                self.assertEqual((required, not required), (nodes["/mba_vo/" + name].required, nodes["/mba_vo/" + name].respawn))
+            self.assertEqual(not required, nodes["/mba_vo/manager"].respawn)
+
+    def test_all_frames_can_be_told(self):
+        frames = {name + "_frame": "left_" + name for name in ("map", "odom", "base", "exposure_start", "exposure_end")}
+        parameters, _ = launched("launch/mba_vo.launch", *("%s:=%s" % item for item in frames.items()))
+        self.assertEqual(frames, {key: parameters["/mba_vo/" + key] for key in frames})
 
 
 if __name__ == "__main__":
