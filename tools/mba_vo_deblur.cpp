@@ -18,12 +18,12 @@
 
 #include <CLI/CLI.hpp>
 #include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "geometry_source.h"
 #include "mba_vo/datasets/dataset.h"
 #include "mba_vo/evaluation/image_quality.h"
 #include "mba_vo/image/white_level.h"
+#include "mba_vo/io/image_files.h"
 #include "mba_vo/io/photometric_files.h"
 #include "mba_vo/io/progress_bar.h"
 #include "mba_vo/io/sequence.h"
@@ -254,7 +254,7 @@ class DeblurRun {
   static void save(const fs::path& file, const cv::Mat& image) {
     cv::Mat eight_bit;
     image.convertTo(eight_bit, CV_8U);
-    if (!cv::imwrite(file.string(), eight_bit)) throw std::runtime_error(file.string() + ": cannot be written");
+    mba_vo::writePng(file, eight_bit);
   }
 
   Arguments arguments_;

@@ -1,8 +1,11 @@
 #include "mba_vo/evaluation/canvas.h"
 
+#include <cerrno>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <system_error>
+#include <vector>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -12,6 +15,18 @@ namespace {
 
 bool endsWith(const std::string& text, const std::string& ending) {
   return text.size() > ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+/// With the reason that the system gives.
+void write(const std::string& file, const std::string& content) {
+  errno = 0;
+  std::ofstream stream(file, std::ios::binary);
+  stream << content;
+  if (!stream.flush()) {
+    const int reason = errno;
+    throw std::runtime_error(file + ": cannot be written" +
+                             (reason == 0 ? "" : ": " + std::generic_category().message(reason)));
+  }
 }
 
 class PngCanvas : public Canvas {
@@ -41,15 +56,9 @@ class PngCanvas : public Canvas {
   }
 
   void save() const override {
-    bool written = false;
-    try {
-      written = cv::imwrite(file_, image_);
-    } catch (const cv::Exception&) {
-      written = false;
-    }
-    if (!written) {
-      throw std::runtime_error(file_ + ": cannot be written");
-    }
+    std::vector<unsigned char> png;
+    cv::imencode(".png", image_, png);
+    write(file_, {png.begin(), png.end()});
   }
 
  private:
@@ -88,13 +97,7 @@ class SvgCanvas : public Canvas {
           << "\" font-family=\"sans-serif\" font-size=\"" << height << "\">" << escapeXml(text) << "</text>\n";
   }
 
-  void save() const override {
-    std::ofstream stream(file_);
-    stream << body_.str() << "</svg>\n";
-    if (!stream.flush()) {
-      throw std::runtime_error(file_ + ": cannot be written");
-    }
-  }
+  void save() const override { write(file_, body_.str() + "</svg>\n"); }
 
  private:
   std::string file_;

@@ -6,13 +6,12 @@
 #include <stdexcept>
 #include <utility>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "mba_vo/image/corrected_calibration.h"
 #include "mba_vo/image/static_overlay.h"
 #include "mba_vo/io/camera_file.h"
 #include "mba_vo/io/camera_memory.h"
 #include "mba_vo/io/camera_yaml.h"
+#include "mba_vo/io/image_files.h"
 #include "mba_vo/io/trajectory_writer.h"
 
 namespace mba_vo {
@@ -133,8 +132,7 @@ void writeCalibration(const std::string& folder, const ToldCamera& told, const C
   writeFile((path / "calibration.yaml").string(),
             [&](std::ostream& out) { writeFigures(told, study, camera.error_px, out); });
   if (study.last.overlay.empty()) return;
-  const std::string mask = (path / "mask.png").string();
-  if (!cv::imwrite(mask, ~study.last.overlay)) throw std::runtime_error(mask + ": cannot be written");
+  writePng(path / "mask.png", ~study.last.overlay);
 }
 
 }  // namespace mba_vo

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cctype>
 #include <set>
+#include <vector>
 
 #include <opencv2/imgcodecs.hpp>
+
+#include "mba_vo/io/trajectory_writer.h"
 
 namespace mba_vo {
 namespace {
@@ -40,6 +43,14 @@ cv::Mat readImage(const fs::path& file) {
   } catch (const cv::Exception&) {
     return {};
   }
+}
+
+void writePng(const fs::path& file, const cv::Mat& image) {
+  std::vector<unsigned char> png;
+  cv::imencode(".png", image, png);
+  writeFile(file.string(), [&png](std::ostream& out) {
+    out.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+  });
 }
 
 }  // namespace mba_vo

@@ -114,6 +114,7 @@ void FolderSink::write(const SimulatedFrame& frame) {
   exposures_ << t << ' ' << std::setprecision(6) << frame.exposure << ' ' << poseText(frame.T_world_start) << ' '
              << poseText(frame.T_world_end) << '\n';
   blur_ << std::setprecision(2) << frame.blur_px << '\n';
+  flush();
 }
 
 void FolderSink::writeImage(const std::string& subfolder, const SimulatedFrame& frame, const cv::Mat& image) const {
@@ -133,11 +134,12 @@ void FolderSink::writeJpeg(const SimulatedFrame& frame) const {
   if (!out) throw cannotWrite(file);
 }
 
-void FolderSink::finish() {
-  for (std::ofstream* file : {&times_, &groundtruth_, &exposures_, &blur_}) {
-    file->flush();
-    if (!*file) throw std::runtime_error("cannot write the text files of '" + folder_ + "' (disk full?)");
-  }
+void FolderSink::flush() {
+  errno = 0;
+  if (!times_.flush()) throw cannotWrite(folder_ + "/times.txt");
+  if (!groundtruth_.flush()) throw cannotWrite(folder_ + "/groundtruth.txt");
+  if (!exposures_.flush()) throw cannotWrite(folder_ + "/groundtruth_exposure.txt");
+  if (!blur_.flush()) throw cannotWrite(folder_ + "/blur_px.txt");
 }
 
 }  // namespace mba_vo

@@ -1,3 +1,5 @@
+#include <filesystem>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
@@ -120,6 +122,15 @@ TEST(Plot, BadFilesAreNamed) {
   EXPECT_THAT(messageOf([] { plotTrajectory("plot.pdf", circle(), reportOfCircle()); }), HasSubstr("'plot.pdf'"));
   for (const char* file : {"/nonexistent/plot.png", "/nonexistent/plot.svg"}) {
     EXPECT_THAT(messageOf([&] { plotTrajectory(file, circle(), reportOfCircle()); }), HasSubstr(file));
+  }
+}
+
+TEST(Plot, AFullDiskIsNamed) {
+  const TemporaryFolder folder;
+  for (const char* name : {"plot.png", "plot.svg"}) {
+    std::filesystem::create_symlink("/dev/full", folder.file(name));
+    EXPECT_EQ(messageOf([&] { plotTrajectory(folder.file(name), circle(), reportOfCircle()); }),
+              folder.file(name) + ": cannot be written: No space left on device");
   }
 }
 

@@ -1,5 +1,7 @@
 #include "mba_vo/io/calibration_report.h"
 
+#include <filesystem>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
@@ -71,6 +73,16 @@ TEST(CalibrationReport, CameraAndSensorFileBelongTogether) {
   EXPECT_EQ(known.vignette(), study.estimate.correction.vignette());
   EXPECT_EQ(cv::imread(folder.file("out/mask.png"), cv::IMREAD_GRAYSCALE).at<std::uint8_t>(3, 4), 0);
   EXPECT_THAT(folder.read("out/calibration.yaml"), HasSubstr("windows: 30"));
+}
+
+TEST(CalibrationReport, AFullDiskIsNamed) {
+  const TemporaryFolder folder;
+  folder.write("out/calibration.yaml", "");
+  std::filesystem::create_symlink("/dev/full", folder.file("out/mask.png"));
+  EXPECT_EQ(messageOf([&] {
+              writeCalibration(folder.file("out"), {distorted(), {}}, studied());
+            }),
+            folder.file("out/mask.png") + ": cannot be written: No space left on device");
 }
 
 TEST(CalibrationReport, NumbersAreInTheUnitsOfTheCamera) {

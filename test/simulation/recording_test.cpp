@@ -117,6 +117,21 @@ TEST_F(Recording, WritesOverASequenceOnlyWhenTold) {
   EXPECT_THROW(FolderSink("/dev/null/sequence", calibration), std::runtime_error);
 }
 
+TEST_F(Recording, AFullDiskIsNamed) {
+  fs::create_directories(folder_);
+  fs::create_symlink("/dev/full", folder_ / "blur_px.txt");
+  FolderSink sink(folder_.string(), shortConfig().calibration());
+  SimulatedFrame frame;
+  frame.blurred = cv::Mat1b(4, 4, std::uint8_t{0});
+  std::string message;
+  try {
+    sink.write(frame);
+  } catch (const std::runtime_error& error) {
+    message = error.what();
+  }
+  EXPECT_EQ(message, "cannot write '" + (folder_ / "blur_px.txt").string() + "': No space left on device");
+}
+
 TEST_F(Recording, CacheGivesBackTheSameFrames) {
   const Simulator simulator(shortConfig(), sharedRoom());
   MemorySink rendered, stored;

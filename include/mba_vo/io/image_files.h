@@ -18,4 +18,7 @@ std::map<std::string, std::filesystem::path> imagesByName(const std::filesystem:
 /// read.
 cv::Mat readImage(const std::filesystem::path& file);
 
+/// Throws std::runtime_error naming the file and the reason (a full disk, permissions) if it cannot be written.
+void writePng(const std::filesystem::path& file, const cv::Mat& image);
+
 }  // namespace mba_vo

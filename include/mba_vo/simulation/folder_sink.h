@@ -12,14 +12,15 @@ namespace mba_vo {
 /// and depth/ when frames carry them, groundtruth.txt, groundtruth_exposure.txt, blur_px.txt.
 class FolderSink : public SequenceSink {
  public:
-  /// Throws std::runtime_error naming what cannot be written, also when `folder` already holds a sequence and
-  /// `overwrite` is false.
+  /// Like `write` and `finish`, throws std::runtime_error naming what cannot be written and why; also when `folder`
+  /// already holds a sequence and `overwrite` is false.
   FolderSink(const std::string& folder, const CameraCalibration& calibration, bool overwrite = false);
 
   void write(const SimulatedFrame& frame) override;
-  void finish() override;
+  void finish() override { flush(); }
 
  private:
+  void flush();
   void writeJpeg(const SimulatedFrame& frame) const;
   void writeImage(const std::string& subfolder, const SimulatedFrame& frame, const cv::Mat& image) const;
 
