@@ -4,6 +4,7 @@ import os
 import re
 import unittest
 
+import numpy as np
 import roslaunch.config
 import rospkg
 
@@ -21,6 +22,16 @@ def launched(name, *arguments):
     config = roslaunch.config.load_config_default([(os.path.join(PACKAGE, name), list(arguments))], None, verbose=False)
     parameters = {key: parameter.value for key, parameter in config.params.items()}
     return parameters, {node.namespace + node.name: node for node in config.nodes}
+
+
+def rotation(axis, angle):
+    """About the axis x, y or z, by its number."""
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    matrix = np.eye(3)
+    matrix[i, i] = matrix[j, j] = np.cos(angle)
+    matrix[j, i] = np.sin(angle)
+    matrix[i, j] = -matrix[j, i]
+    return matrix
 
 
 class LaunchFiles(unittest.TestCase):
@@ -67,6 +78,21 @@ class LaunchFiles(unittest.TestCase):
         frames = {name + "_frame": "left_" + name for name in ("map", "odom", "base", "exposure_start", "exposure_end")}
         parameters, _ = launched("launch/mba_vo.launch", *("%s:=%s" % item for item in frames.items()))
         self.assertEqual(frames, {key: parameters["/mba_vo/" + key] for key in frames})
+
+    def test_the_example_of_a_camera_fits_together(self):
+        parameters, nodes = launched("examples/camera.launch", "rviz:=false")
+        self.assertEqual({"/camera", "/camera_on_base", "/mba_vo/manager", "/mba_vo/mapping", "/mba_vo/tracking"}, set(nodes))
+        self.assertIn(["image", "/camera/image_raw"], nodes["/mba_vo/tracking"].remap_args)
+        base, camera = nodes["/camera_on_base"].args.split()[-2:]
+        self.assertEqual((parameters["/mba_vo/base_frame"], parameters["/camera/camera_frame_id"]), (base, camera))
+        self.assertEqual("start", parameters["/mba_vo/stamp_reference"])
+
+    def test_the_transform_of_the_example_looks_ahead(self):
+        _, nodes = launched("examples/camera.launch")
+        yaw, pitch, roll = map(float, nodes["/camera_on_base"].args.split()[3:6])
+        axes = rotation(2, yaw) @ rotation(1, pitch) @ rotation(0, roll)  # of the image on the base
+        right, down, ahead = [0, -1, 0], [0, 0, -1], [1, 0, 0]
+        np.testing.assert_allclose(axes, np.transpose([right, down, ahead]), atol=1e-4)
 
 
 if __name__ == "__main__":
