@@ -49,7 +49,9 @@ mba_vo_rostest(deblurring TIMEOUT 320 SOURCES ${ros_test_folder}/demo_sequence.c
   ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
 mba_vo_rostest(lifecycle TIMEOUT 520 SOURCES ${ros_test_folder}/demo_sequence.cpp ${ros_test_folder}/sequence_camera.cpp
   DEPENDS mba_vo_evaluation ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
-set_tests_properties(mba_vo_rostest_deblurring mba_vo_rostest_lifecycle PROPERTIES
+mba_vo_rostest(views TIMEOUT 320 SOURCES ${ros_test_folder}/demo_sequence.cpp ${ros_test_folder}/sequence_camera.cpp
+  DEPENDS mba_vo_evaluation ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
+set_tests_properties(mba_vo_rostest_deblurring mba_vo_rostest_lifecycle mba_vo_rostest_views PROPERTIES
   DEPENDS mba_vo_rostest_play_bag)  # which makes the bag
 
 add_test(NAME bad_bags COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/bad_bags_test.py
@@ -79,6 +81,11 @@ find_program(MBA_VO_CATKIN_LINT catkin_lint)
 if(MBA_VO_CATKIN_LINT)
   add_test(NAME catkin_lint COMMAND ${MBA_VO_CATKIN_LINT} -W1 --strict --offline --quiet ${CMAKE_CURRENT_SOURCE_DIR})
 endif()
+
+# Images that were compressed without loss, offline: the trajectory of the originals, byte by byte.
+add_test(NAME compressed_offline COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/compressed_offline_test.py
+  $<TARGET_FILE:mba_vo_simulate> $<TARGET_FILE:mba_vo_offline>)
+set_tests_properties(compressed_offline PROPERTIES TIMEOUT 320 ENVIRONMENT "${ros_test_environment}")
 
 # Bags that are each spoilt in one way: each fault must be named, and no other.
 add_test(NAME check_names_what_is_wrong_with_bags COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/scripts/spoil.py

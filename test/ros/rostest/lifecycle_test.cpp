@@ -112,7 +112,9 @@ TEST(Lifecycle, ClockThatStandsStillForAWhile) {
   const std::size_t statuses = robot.odometry->outputs().status.size();
   ASSERT_TRUE(robot.odometry->waitFor(
       [&](const Outputs& o) {
-        return o.status.size() > statuses + 1 && o.status.back()->reason.find("no image on") == 0;
+        const Status& status = *o.status.back();
+        return o.status.size() > statuses + 1 && status.state == Status::WAITING &&
+               status.reason.find("no image on") == 0;
       },
       kTimeout))
       << "nothing is said while the clock stands still";
@@ -198,6 +200,36 @@ TEST(Lifecycle, NoPoseIsNoSuccess) {
   EXPECT_FALSE(answer.success);
   EXPECT_NE(answer.message.find("there is no pose to save"), std::string::npos) << answer.message;
   EXPECT_FALSE(std::filesystem::exists(robot.file("trajectory.txt")));
+}
+
+TEST(Lifecycle, TrajectoryIsSavedWhenTheMapperEndsIfThatIsWanted) {
+  for (const bool wanted : {false, true}) {
+    const std::string name = wanted ? "saves" : "forgets";
+    ros::param::set("/" + name + "/save_on_shutdown", wanted);
+    Robot robot(name);
+    robot.see(0, kUntilMap);
+    ASSERT_TRUE(robot.isDone(kUntilMap));
+    ASSERT_TRUE(robot.becomesTracking());
+    robot.odometry.reset();
+    EXPECT_EQ(mapsOf(robot.file("trajectory.txt")).size(), wanted ? 1U : 0U);
+    EXPECT_EQ(std::filesystem::exists(robot.file("exposure_trajectory.txt")), wanted);
+  }
+}
+
+TEST(Lifecycle, PointsOfTheMapAreSavedOnceThereIsOne) {
+  Robot robot("cloud");
+  std_srvs::Trigger service;
+  ASSERT_TRUE(ros::service::call("/cloud/save_points", service));
+  EXPECT_FALSE(service.response.success);
+  EXPECT_EQ(service.response.message, "there is no map yet");
+  robot.see(0, kUntilMap);
+  ASSERT_TRUE(robot.isDone(kUntilMap));
+  ASSERT_TRUE(robot.becomesTracking());
+  ASSERT_TRUE(ros::service::call("/cloud/save_points", service));
+  EXPECT_TRUE(service.response.success) << service.response.message;
+  EXPECT_NE(service.response.message.find(robot.file("points.ply")), std::string::npos) << service.response.message;
+  constexpr std::uintmax_t kHundredPoints = 100 * 3 * sizeof(float);
+  EXPECT_GT(std::filesystem::file_size(robot.file("points.ply")), kHundredPoints);
 }
 
 }  // namespace
