@@ -127,8 +127,7 @@ void FolderSink::writeImage(const std::string& subfolder, const SimulatedFrame& 
 
 void FolderSink::writeJpeg(const SimulatedFrame& frame) const {
   const std::string file = folder_ + "/images" + fileName(frame, "jpg");
-  errno = 0;
-  std::ofstream out(file, std::ios::binary);
+  std::ofstream out = openForWriting(file);
   out.write(reinterpret_cast<const char*>(frame.jpeg.data()), static_cast<std::streamsize>(frame.jpeg.size()));
   out.close();
   if (!out) throw cannotWrite(file);
@@ -136,10 +135,9 @@ void FolderSink::writeJpeg(const SimulatedFrame& frame) const {
 
 void FolderSink::flush() {
   errno = 0;
-  if (!times_.flush()) throw cannotWrite(folder_ + "/times.txt");
-  if (!groundtruth_.flush()) throw cannotWrite(folder_ + "/groundtruth.txt");
-  if (!exposures_.flush()) throw cannotWrite(folder_ + "/groundtruth_exposure.txt");
-  if (!blur_.flush()) throw cannotWrite(folder_ + "/blur_px.txt");
+  for (std::ofstream* file : {&times_, &groundtruth_, &exposures_, &blur_}) {
+    if (!file->flush()) throw cannotWrite(folder_ + "/*.txt");
+  }
 }
 
 }  // namespace mba_vo
