@@ -2,13 +2,15 @@
 # Takes the picture in the README: simulates a blurred sequence, plays it through the ROS nodes with rviz on a virtual
 # screen, and writes what rviz shows.
 #
-#   scripts/screenshot.sh [--no-install] [--bag FILE] [--after S] [--rate R] [--output FILE]
+#   scripts/screenshot.sh [--no-install] [--bag FILE | --webcam FILE] [--after S] [--rate R] [--output FILE]
 #                         [--animation FILE]
 #
 #   --no-install    the dependencies are there already, and so is the build
 #   --bag FILE      of mba_vo_simulate or mba_vo_make_bag, in place of a simulated one
+#   --webcam FILE   starts webcam.launch with this video, image folder or sequence folder as the camera, again and again,
+#                   in place of a bag; what has no calibration gets one of 60 degrees of view
 #   --after S       seconds between the first deblurred keyframe and the picture (5)
-#   --rate R        speed of the bag (0.5): a virtual screen has no graphics card
+#   --rate R        speed of the bag, not of --webcam (0.5): a virtual screen has no graphics card
 #   --output FILE   the picture (docs/images/rviz.png)
 #   --animation FILE  besides, some seconds from then on, small, as a GIF
 set -euo pipefail
@@ -16,6 +18,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 install=true
 bag=
+webcam=
 after=5
 rate=0.5
 picture=docs/images/rviz.png
@@ -24,6 +27,7 @@ while [ $# -gt 0 ]; do
   case "$1" in
     --no-install) install=false ;;
     --bag) bag=${2:?--bag needs a file}; shift ;;
+    --webcam) webcam=${2:?--webcam needs a file}; shift ;;
     --after) after=${2:?--after needs seconds}; shift ;;
     --rate) rate=${2:?--rate needs a factor}; shift ;;
     --output) picture=${2:?--output needs a file}; shift ;;
@@ -49,9 +53,14 @@ end() {
 }
 trap end EXIT
 
-if [ -z "$bag" ]; then
-  bag=$work/sequence.bag
-  devel/lib/mba_vo/mba_vo_simulate --output "$work/sequence" --bag "$bag" --shake 0.7 --duration 15
+if [ -n "$webcam" ]; then
+  start=(webcam.launch device:="$(realpath "$webcam")" loop:=true field_of_view:=60 output:="$work/run")
+else
+  if [ -z "$bag" ]; then
+    bag=$work/sequence.bag
+    devel/lib/mba_vo/mba_vo_simulate --output "$work/sequence" --bag "$bag" --shake 0.7 --duration 15
+  fi
+  start=(mba_vo.launch bag:="$(realpath "$bag")" output:="$work/run" rate:="$rate" rviz:=true)
 fi
 mkdir -p "$(dirname "$picture")"
 
@@ -63,7 +72,7 @@ for _ in $(seq 100); do [ -s "$work/display" ] && break; sleep 0.1; done
 DISPLAY=:$(cat "$work/display")
 export DISPLAY LIBGL_ALWAYS_SOFTWARE=1
 
-roslaunch mba_vo mba_vo.launch bag:="$(realpath "$bag")" output:="$work/run" rate:="$rate" rviz:=true >"$work/launch.log" 2>&1 &
+roslaunch mba_vo "${start[@]}" >"$work/launch.log" 2>&1 &
 launched=$!
 for _ in 1 2 3 4 5 6; do  # until there is a master, and somebody publishes
   if timeout 60 rostopic echo -n 1 /mba_vo/keyframe/sharp/header >/dev/null 2>&1; then break; fi
