@@ -81,6 +81,7 @@ MapperOutput Mapper::Impl::refine() {
     insertKeyframe(selector_.takeReady(), output);
     return output;
   }
+  output.refinement = true;
   output.residuals = map_->residualCount();
   if (map_->refineWindow(refining_->report)) return output;
   complete(refining_->report, refining_->chosen, true);

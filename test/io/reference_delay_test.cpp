@@ -30,7 +30,6 @@ std::vector<Step> runSteps(int delay) {
   config.mapper.deterministic = true;
   Odometry odometry(config, delay);
   std::vector<Step> steps;
-  bool has_map = false;
   for (const FrameConstPtr& frame : frames()) {
     const OdometryResult result = odometry.process(frame);
     steps.emplace_back();
@@ -43,9 +42,7 @@ std::vector<Step> runSteps(int delay) {
     }
     std::size_t taken_in = 0;
     for (const MapperOutput& output : result.mapping) {
-      const bool refinement = has_map && output.residuals > 0 && !output.inserted;  // that the last one has caused
-      if (!refinement) ++taken_in;
-      has_map = has_map || output.reference;
+      if (!output.refinement) ++taken_in;                  // that is what the last one has caused
       if (!output.reference || output.inserted) continue;  // drafts are for live runs
       steps.at(reported.at(taken_in - 1)->frame->sequence).emitted = output.reference->id;
     }

@@ -18,6 +18,7 @@ namespace mba_vo {
 struct MapperOutput {
   ReferenceConstPtr reference;                  // new snapshot for the tracker, or null
   bool inserted = false;                        // a keyframe: the reference is a draft of it
+  bool refinement = false;                      // a piece of that of a keyframe: it is of no frame
   bool searched = false;                        // for a frame that the tracker lost, among the keyframes
   int residuals = 0;                            // that the optimisation, or what it was instead, went through
   std::optional<KeyframeReport> keyframe;       // set if one has been refined, or had to do with what there was
