@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <filesystem>
+#include <limits>
 #include <stdexcept>
 
 #include "mba_vo/io/frames_csv.h"
@@ -32,7 +33,30 @@ OnlineRecord::OnlineRecord(const std::string& folder) : folder_(folder) {
 }
 
 void OnlineRecord::add(const PublishedImage& image) {
-  const FrameRecord record = recordOf(image);
+  writeShed(image.step.sequence);
+  write(recordOf(image));
+}
+
+void OnlineRecord::addShed(const TrackerStep& step) {
+  const std::lock_guard<std::mutex> lock(shed_mutex_);
+  shed_[step.sequence] = step;
+}
+
+void OnlineRecord::finish() { writeShed(std::numeric_limits<std::uint64_t>::max()); }
+
+/// Those before number `end`.
+void OnlineRecord::writeShed(std::uint64_t end) {
+  while (const std::optional<TrackerStep> step = takeShed(end)) write(recordOf({*step, 0.0}));
+}
+
+std::optional<TrackerStep> OnlineRecord::takeShed(std::uint64_t end) {
+  const std::lock_guard<std::mutex> lock(shed_mutex_);
+  if (shed_.empty() || shed_.begin()->first >= end) return std::nullopt;
+  return shed_.extract(shed_.begin()).mapped();
+}
+
+void OnlineRecord::write(const FrameRecord& record) {
+  if (failed_) return;
   errno = 0;
   writeFrame(record, frames_file_);
   if (record.online) {
@@ -40,7 +64,8 @@ void OnlineRecord::add(const PublishedImage& image) {
     odometry_->write(record.mid_exposure_ns, record.online->map, record.online->T_odom_camera);
   }
   // A run that is killed leaves what it has published.
-  if (!frames_file_.flush() || !trajectory_file_.flush() || !odometry_file_.flush()) {
+  failed_ = !frames_file_.flush() || !trajectory_file_.flush() || !odometry_file_.flush();
+  if (failed_) {
     throw std::runtime_error(cannotBeWritten(folder_) + "; what is published is no longer written down");
   }
 }

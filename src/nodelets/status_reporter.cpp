@@ -79,9 +79,9 @@ void StatusReporter::imageTracked(const TrackedFrame& tracked, const std::string
   }
 }
 
-void StatusReporter::imageFailed(const std::string& what) {
+void StatusReporter::trackerFailed(const std::string& what, bool on_image) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  ++status_.frames_failed;
+  status_.frames_failed += on_image ? 1 : 0;
   publishLocked("the tracker failed: " + what);
 }
 

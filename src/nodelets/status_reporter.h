@@ -24,14 +24,14 @@ class StatusReporter {
   explicit StatusReporter(ros::NodeHandle& nh);
 
   void imageReceived(std::uint64_t missing_before);
-  /// Every image that was received ends in exactly one of these five.
+  /// Every image that was received ends in exactly one of these four, or the tracker failed on it.
   void imageShed(std::int64_t stamp_ns);
   void imageRejected(std::int64_t stamp_ns, const std::string& reason);
   void imageRepeated(std::int64_t stamp_ns, const std::string& reason);
-  /// Something was thrown while it was worked on.
-  void imageFailed(const std::string& what);
   void imageTracked(const TrackedFrame& tracked, const std::string& exposure_source, bool tf_predicted);
 
+  /// Something was thrown. `on_image`: while an image was worked on, which has no result now.
+  void trackerFailed(const std::string& what, bool on_image);
   void mapperSaid(const MapperStatus& mapper);
   void referenceAdopted(const Reference& reference);
   void referenceStale();

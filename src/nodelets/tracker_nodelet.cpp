@@ -1,3 +1,4 @@
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -29,6 +30,12 @@ double steadySeconds() { return ros::SteadyTime::now().toSec(); }
 
 /// The tracker's doors to ROS. Callbacks only hand things on to the worker.
 class TrackerNodelet final : public nodelet::Nodelet {
+ public:
+  TrackerNodelet() = default;
+  ~TrackerNodelet() override { disconnect(); }
+  TrackerNodelet(const TrackerNodelet&) = delete;
+  TrackerNodelet& operator=(const TrackerNodelet&) = delete;
+
  private:
   void onInit() override {
     try {
@@ -76,7 +83,7 @@ class TrackerNodelet final : public nodelet::Nodelet {
     last_image_ = steadySeconds();
   }
 
-  /// To be done before an exception leaves: the loader destroys the callback queues before the nodelet.
+  /// To be done before an exception leaves, too: the loader then destroys the callback queues before the nodelet.
   void disconnect() {
     poll_timer_.stop();
     status_timer_.stop();
@@ -87,6 +94,7 @@ class TrackerNodelet final : public nodelet::Nodelet {
     exposure_subscriber_.shutdown();
     reference_subscriber_.shutdown();
     diagnostics_.reset();
+    if (worker_) handOn(std::numeric_limits<double>::infinity());  // images that wait for their exposures
     worker_.reset();
     status_.reset();
   }
@@ -204,8 +212,8 @@ class TrackerNodelet final : public nodelet::Nodelet {
     return whyNothingComes(subscriber.getTopic(), type, publishedTopics());
   }
 
-  void handOn() {
-    for (InputImage& image : assembler_->takeReady(steadySeconds())) {
+  void handOn(double now = steadySeconds()) {
+    for (InputImage& image : assembler_->takeReady(now)) {
       if (!calibrated_ && image.problem.empty()) image.problem = calibration_->problem();
       exposure_watch_->add(toNanoseconds(image.message->header.stamp), image.exposure, image.exposure_unmatched);
       worker_->addImage(image);

@@ -5,8 +5,8 @@
 #include <ros/ros.h>
 #include <boost/make_shared.hpp>
 
+#include "input_conversion.h"
 #include "mba_vo/io/photometric_files.h"
-#include "mba_vo/ros/image_conversion.h"
 #include "mba_vo/ros/status_conversion.h"
 
 namespace mba_vo {
@@ -33,21 +33,6 @@ std::unique_ptr<OnlineRecord> openRecord(const NodeConfig& config) {
   }
 }
 
-/// Empty, and told why in `problem`, if there is none of any use.
-cv::Mat1f depthOf(const InputImage& input, std::string& problem) {
-  if (!input.depth) return {};
-  const auto& image = *input.message;
-  try {
-    cv::Mat1f depth = depthFromMessage(input.depth);
-    if (depth.cols == static_cast<int>(image.width) && depth.rows == static_cast<int>(image.height)) return depth;
-    problem = "depth image is not used: it is " + std::to_string(depth.cols) + "x" + std::to_string(depth.rows) +
-              ", the image is " + std::to_string(image.width) + "x" + std::to_string(image.height);
-  } catch (const std::invalid_argument& error) {
-    problem = std::string("depth image is not used: ") + error.what();
-  }
-  return {};
-}
-
 }  // namespace
 
 TrackerWorker::TrackerWorker(ros::NodeHandle& nh, const NodeConfig& config, StatusReporter& status)
@@ -61,14 +46,29 @@ TrackerWorker::TrackerWorker(ros::NodeHandle& nh, const NodeConfig& config, Stat
       motions_(nh, config.frames, config.publish_tf),
       view_(nh, config.frames.map_frame),
       pipeline_(pipelineConfig(config), ros::WallTime::now().toNSec()),  // differs from any tracker's before
-      extrinsic_(config.frames.base_frame, config.extrinsic_wait),
       record_(openRecord(config)),
+      extrinsic_(config.frames.base_frame, config.extrinsic_wait),
       thread_({[this] { return step(); }, [this](const std::string& what) { recover(what); }}) {}
 
+/// What still waits will not be tracked any more.
+TrackerWorker::~TrackerWorker() {
+  thread_.stop();
+  if (!record_) return;
+  for (const CameraImage& image : pipeline_.takeImages()) recordShed(image, "the tracker was ended");
+  try {
+    record_->finish();
+  } catch (const std::exception& error) {
+    ROS_ERROR_STREAM(error.what());
+  }
+}
+
 void TrackerWorker::addImage(const InputImage& image) {
-  for (const CameraImage& shed : pipeline_.addImage(convert(image), image.arrival)) {
+  CameraImage converted = toCameraImage(image, stamp_reference_);
+  converted.sequence += first_sequence_;
+  for (const CameraImage& shed : pipeline_.addImage(std::move(converted), image.arrival)) {
     ROS_WARN_THROTTLE(kWarnPeriod, "images are shed: the tracker does not keep up with the camera");
     status_.imageShed(shed.stamp_ns);
+    recordShed(shed, "the tracker does not keep up with the camera");
   }
   thread_.wake();
 }
@@ -104,6 +104,7 @@ void TrackerWorker::reset() {
 }
 
 bool TrackerWorker::step() {
+  recorded_ = false;
   const std::optional<TrackerStep> step = pipeline_.step();
   tellAdopted();
   if (!step) return false;
@@ -134,9 +135,16 @@ bool TrackerWorker::step() {
 
 /// The image that was being worked on has no result any more.
 void TrackerWorker::recover(const std::string& what) {
-  ROS_ERROR_STREAM("the tracker failed and begins anew: " << what);
-  status_.imageFailed(what);
   pipeline_.requestReset();
+  ROS_ERROR_STREAM("the tracker failed and begins anew: " << what);
+  const std::optional<TrackerStep>& image = pipeline_.imageInWork();
+  const bool without_result = image && !recorded_;
+  status_.trackerFailed(what, without_result);
+  if (!without_result) return;
+  TrackerStep failed = *image;
+  failed.kind = TrackerStep::Kind::kRejected;
+  failed.reason = "the tracker failed: " + what;
+  record(failed);
 }
 
 void TrackerWorker::tellAdopted() {
@@ -202,15 +210,23 @@ bool TrackerWorker::publishPrediction(const TrackerStep& step) {
 }
 
 void TrackerWorker::record(const TrackerStep& step) {
+  recorded_ = true;
   if (!record_) return;
   try {
-    PublishedImage image = {step, now()};
-    image.step.sequence -= first_sequence_;
-    record_->add(image);
+    record_->add({numbered(step), now()});
   } catch (const std::exception& error) {
     ROS_ERROR_STREAM(error.what());
-    record_.reset();
   }
+}
+
+void TrackerWorker::recordShed(const CameraImage& image, const std::string& reason) {
+  if (record_) record_->addShed(numbered(stepOfShed(image, reason)));
+}
+
+/// As the outside counts.
+TrackerStep TrackerWorker::numbered(TrackerStep step) const {
+  step.sequence -= first_sequence_;
+  return step;
 }
 
 std::string TrackerWorker::nameOf(const TrackerStep& step) const {
@@ -246,31 +262,6 @@ MeasuredMotion TrackerWorker::motionOf(const TrackerStep& step, const TrackedFra
 
 double TrackerWorker::secondsSinceMeasured(const Frame& frame) const {
   return last_measured_ns_ != 0 ? 1e-9 * static_cast<double>(frame.mid_exposure_ns - last_measured_ns_) : 0.0;
-}
-
-CameraImage TrackerWorker::convert(const InputImage& input) const {
-  CameraImage image;
-  image.sequence = first_sequence_ + input.sequence;
-  image.stamp_ns = toNanoseconds(input.message->header.stamp);
-  image.mid_exposure_ns = midExposure(image.stamp_ns, input.exposure, stamp_reference_);
-  image.exposure = input.exposure;
-  image.exposure_from_topic = input.exposure_from_topic;
-  image.camera_frame = cameraFrame(input.message->header.frame_id);
-  if (image.stamp_ns == 0) {
-    image.problem = "its stamp is zero";
-    return image;
-  }
-  image.problem = input.problem;
-  if (!image.problem.empty()) return image;
-  try {
-    const cv_bridge::CvImageConstPtr pixels = toCvImage(input.message);
-    image.image = pixels->image;
-    image.owner = std::shared_ptr<const void>(pixels.get(), [pixels](const void*) {});
-    image.depth = depthOf(input, image.problem);
-  } catch (const std::invalid_argument& error) {
-    image.problem = error.what();
-  }
-  return image;
 }
 
 }  // namespace mba_vo

@@ -25,6 +25,9 @@ namespace mba_vo {
 class TrackerWorker {
  public:
   TrackerWorker(ros::NodeHandle& nh, const NodeConfig& config, StatusReporter& status);
+  ~TrackerWorker();
+  TrackerWorker(const TrackerWorker&) = delete;
+  TrackerWorker& operator=(const TrackerWorker&) = delete;
 
   void addImage(const InputImage& image);
   void addReference(const ReferenceMessageConstPtr& reference);
@@ -48,12 +51,13 @@ class TrackerWorker {
   /// False if the frame is not lost, or for too long, or TF is not to be predicted.
   bool publishPrediction(const TrackerStep& step);
   void record(const TrackerStep& step);
+  void recordShed(const CameraImage& image, const std::string& reason);
+  TrackerStep numbered(TrackerStep step) const;
   void sayIfChanged(const TrackerStep& step);
   /// Of an image, for people.
   std::string nameOf(const TrackerStep& step) const;
   MeasuredMotion motionOf(const TrackerStep& step, const TrackedFrameConstPtr& tracked, const SE3& T_odom_camera);
   double secondsSinceMeasured(const Frame& frame) const;
-  CameraImage convert(const InputImage& input) const;
 
   const NodeConfig config_;
   const std::uint64_t first_sequence_;  // what the outside is told begins at 0
@@ -66,11 +70,12 @@ class TrackerWorker {
   std::atomic<double> latency_{std::numeric_limits<double>::quiet_NaN()};
   std::atomic<bool> corrected_{false};
   TrackerPipeline pipeline_;
+  const std::unique_ptr<OnlineRecord> record_;  // null: nothing is written
 
   // Of the thread alone from here on.
   Extrinsic extrinsic_;
-  std::unique_ptr<OnlineRecord> record_;  // null: nothing is written, or no more
-  std::uint64_t next_number_ = 0;         // of the frames forwarded in this session
+  bool recorded_ = false;          // the image that is being worked on
+  std::uint64_t next_number_ = 0;  // of the frames forwarded in this session
   std::uint64_t session_ = 0;
   std::optional<CalibrationCorrection> kept_;  // for the next start
   std::int64_t last_measured_ns_ = 0;          // mid-exposure; 0 = none

@@ -11,7 +11,25 @@ namespace {
 
 constexpr std::size_t kImageBacklog = 8;  // so many images wait: the tracker is behind, and does not go back as well
 
+/// What is known of it before anything is done with it.
+TrackerStep stepOf(const CameraImage& image) {
+  TrackerStep step;
+  step.sequence = image.sequence;
+  step.stamp_ns = image.stamp_ns;
+  step.mid_exposure_ns = image.mid_exposure_ns;
+  step.arrival = image.arrival;
+  step.exposure_from_topic = image.exposure_from_topic;
+  return step;
+}
+
 }  // namespace
+
+TrackerStep stepOfShed(const CameraImage& image, const std::string& reason) {
+  TrackerStep step = stepOf(image);
+  step.kind = TrackerStep::Kind::kShed;
+  step.reason = "shed: " + reason;
+  return step;
+}
 
 TrackerPipeline::TrackerPipeline(const TrackerPipelineConfig& config, std::uint64_t first_session)
     : queue_(config.max_queue_bytes, bytesOf, mostDispensable),
@@ -19,11 +37,10 @@ TrackerPipeline::TrackerPipeline(const TrackerPipelineConfig& config, std::uint6
       loop_(config.odometry),
       session_(first_session) {}
 
-std::vector<CameraImage> TrackerPipeline::addImage(const CameraImage& image, double arrival) {
+std::vector<CameraImage> TrackerPipeline::addImage(CameraImage image, double arrival) {
+  image.arrival = arrival;
   std::vector<CameraImage> shed;
-  for (const Job& job : queue_.push(QueuedImage{image, arrival})) {
-    shed.push_back(std::get<QueuedImage>(job).image);
-  }
+  for (const Job& job : queue_.push(std::move(image))) shed.push_back(std::get<CameraImage>(job));
   return shed;
 }
 
@@ -41,6 +58,7 @@ void TrackerPipeline::setCalibration(const CameraCalibration& calibration, const
 void TrackerPipeline::requestReset() { queue_.push(ResetRequest()); }
 
 std::optional<TrackerStep> TrackerPipeline::step() {
+  in_work_.reset();
   adoptReferences();
   switch (turn()) {
     case Turn::kQueue:
@@ -65,6 +83,14 @@ std::vector<ReferenceConstPtr> TrackerPipeline::takeAdopted() { return std::exch
 std::size_t TrackerPipeline::takeStale() { return std::exchange(stale_, 0); }
 
 bool TrackerPipeline::takeCorrected() { return std::exchange(corrected_, false); }
+
+std::vector<CameraImage> TrackerPipeline::takeImages() {
+  std::vector<CameraImage> images;
+  while (const std::optional<Job> job = queue_.pop()) {
+    if (const auto* image = std::get_if<CameraImage>(&*job)) images.push_back(*image);
+  }
+  return images;
+}
 
 /// What is done next, where both images and frames of before wait.
 TrackerPipeline::Turn TrackerPipeline::turn() const {
@@ -106,7 +132,7 @@ void TrackerPipeline::adoptReferences() {
 
 TrackerStep TrackerPipeline::takeJob() {
   const std::optional<Job> job = queue_.pop();
-  if (const auto* image = std::get_if<QueuedImage>(&*job)) return takeImage(*image);
+  if (const auto* image = std::get_if<CameraImage>(&*job)) return takeImage(*image);
   if (const auto* frame = std::get_if<FrameConstPtr>(&*job)) return takeFrame(*frame);
   if (const auto* camera = std::get_if<KnownCamera>(&*job)) return takeCalibration(*camera);
   return reset("reset");
@@ -119,20 +145,15 @@ TrackerStep TrackerPipeline::takeFrame(const FrameConstPtr& frame) {
   return step;
 }
 
-TrackerStep TrackerPipeline::takeImage(const QueuedImage& queued) {
+TrackerStep TrackerPipeline::takeImage(const CameraImage& image) {
   late_since_image_ = false;
-  TrackerStep step;
-  step.arrival = queued.arrival;
-  const CameraImage& image = queued.image;
+  TrackerStep step = stepOf(image);
+  in_work_ = step;
   const ImageIntake::Result taken = intake_.take(image);
   step.build_ms = taken.build_ms;
   if (taken.clock_restarted) beginSession();
   step.began_anew = taken.clock_restarted;
-  step.sequence = image.sequence;
-  step.stamp_ns = image.stamp_ns;
-  step.mid_exposure_ns = image.mid_exposure_ns;
   step.reason = taken.reason;
-  step.exposure_from_topic = image.exposure_from_topic;
   camera_frame_ = image.camera_frame;
   step.contradicts_calibration = taken.contradicts_calibration;
   if (taken.frame) {
@@ -227,10 +248,9 @@ TrackerMessage TrackerPipeline::messageOf(const TrackedFrameConstPtr& tracked) c
 }
 
 std::size_t TrackerPipeline::bytesOf(const Job& job) {
-  const auto* queued = std::get_if<QueuedImage>(&job);
-  if (!queued) return 0;
-  const CameraImage& image = queued->image;
-  return image.image.total() * image.image.elemSize() + image.depth.total() * sizeof(float);
+  const auto* image = std::get_if<CameraImage>(&job);
+  if (!image) return 0;
+  return image->image.total() * image->image.elemSize() + image->depth.total() * sizeof(float);
 }
 
 /// The image whose neighbours are closest in time: images are thinned out evenly, so that the camera moves as little as
@@ -239,10 +259,10 @@ std::size_t TrackerPipeline::mostDispensable(const std::deque<Job>& jobs) {
   std::vector<std::size_t> images;
   std::vector<std::int64_t> stamps;  // [ns]
   for (std::size_t i = 0; i < jobs.size(); ++i) {
-    const auto* queued = std::get_if<QueuedImage>(&jobs[i]);
-    if (!queued) continue;
+    const auto* image = std::get_if<CameraImage>(&jobs[i]);
+    if (!image) continue;
     images.push_back(i);
-    stamps.push_back(queued->image.stamp_ns);
+    stamps.push_back(image->stamp_ns);
   }
   std::size_t best = images.empty() ? jobs.size() : images.front();
   std::int64_t closest = std::numeric_limits<std::int64_t>::max();

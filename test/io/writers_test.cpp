@@ -159,6 +159,29 @@ TEST(OnlineRecord, AFullDiskIsNamed) {
   PublishedImage rejected;
   rejected.step.kind = TrackerStep::Kind::kRejected;
   EXPECT_THAT(messageOf([&] { record.add(rejected); }), HasSubstr("cannot be written: No space left on device"));
+  EXPECT_NO_THROW(record.add(rejected)) << "it is said once";
+}
+
+TEST(OnlineRecord, HasARowForEveryImageAlsoForThoseThatWereShed) {
+  const TemporaryFolder folder;
+  OnlineRecord record(folder.file(""));
+  for (const std::uint64_t number : {4, 2, 1}) {
+    TrackerStep shed;
+    shed.kind = TrackerStep::Kind::kShed;
+    shed.sequence = number;
+    record.addShed(shed);
+  }
+  for (const std::uint64_t number : {0, 3}) {
+    PublishedImage rejected;
+    rejected.step.kind = TrackerStep::Kind::kRejected;
+    rejected.step.sequence = number;
+    record.add(rejected);
+  }
+  const std::string row = ",0.000000000,0.000000000,,";
+  const std::string rows = "\n0" + row + "REJECTED.*\n1" + row + "SHED.*\n2" + row + "SHED.*\n3" + row + "REJECTED.*\n";
+  EXPECT_THAT(folder.read("frames.csv"), testing::ContainsRegex(rows + "$"));
+  record.finish();
+  EXPECT_THAT(folder.read("frames.csv"), testing::ContainsRegex(rows + "4" + row + "SHED"));
 }
 
 TEST(ProgressBar, TellsTheTimeLeft) {

@@ -241,13 +241,33 @@ TEST(TrackerPipeline, TooManyImagesAreThinnedOutEvenly) {
   std::set<std::uint64_t> kept;
   for (int i = 0; i < 9; ++i) {
     kept.insert(view(i).id - view(0).id);
-    for (const CameraImage& shed : pipeline.addImage(image(i))) kept.erase(shed.sequence - view(0).id);
+    for (const CameraImage& shed : pipeline.addImage(image(i), i)) {
+      kept.erase(shed.sequence - view(0).id);
+      EXPECT_EQ(view(static_cast<int>(shed.arrival)).id, shed.sequence);
+    }
   }
   ASSERT_EQ(kept.size(), 5U);
   EXPECT_EQ(*kept.begin(), 0U);
   EXPECT_EQ(*kept.rbegin(), 8U);
   for (auto next = std::next(kept.begin()); next != kept.end(); ++next) EXPECT_LE(*next - *std::prev(next), 3U);
   EXPECT_LE(pipeline.queueBytes(), 5 * bytes);
+}
+
+TEST(TrackerPipeline, WhoeverEndsCanAskWhichImagesHaveNoResult) {
+  TrackerPipeline pipeline(pipelineConfig(), kSession);
+  pipeline.addImage(image(0), 3.5);
+  pipeline.requestReset();
+  pipeline.addImage(image(1));
+  ASSERT_TRUE(pipeline.step());
+  ASSERT_TRUE(pipeline.imageInWork());
+  EXPECT_EQ(pipeline.imageInWork()->sequence, view(0).id);
+  EXPECT_EQ(pipeline.imageInWork()->arrival, 3.5);
+  ASSERT_TRUE(pipeline.step());
+  EXPECT_FALSE(pipeline.imageInWork()) << "a reset";
+  const std::vector<CameraImage> left = pipeline.takeImages();
+  ASSERT_EQ(left.size(), 1U);
+  EXPECT_EQ(left[0].sequence, view(1).id);
+  EXPECT_FALSE(pipeline.step());
 }
 
 }  // namespace

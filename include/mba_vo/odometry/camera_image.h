@@ -20,6 +20,7 @@ struct CameraImage {
   cv::Mat1f depth;                      // z of the image's pixels [m], NaN = unknown; empty = none
   std::string camera_frame{};           // name of the camera's frame; may be empty
   bool exposure_from_topic = false;     // else it was told once for all images
+  double arrival = 0.0;                 // when it came in, on the clock of whoever handed it on [s]
   std::shared_ptr<const void> owner{};  // of the pixels, if the images themselves do not own them
 };
 

@@ -53,6 +53,9 @@ struct TrackerStep {
   bool endsImage() const { return kind == Kind::kImage || kind == Kind::kRepeated || kind == Kind::kRejected; }
 };
 
+/// Of an image that is left out: the step that says so.
+TrackerStep stepOfShed(const CameraImage& image, const std::string& reason);
+
 struct TrackerPipelineConfig {
   OdometryConfig odometry;
   PhotometricCalibration photometric;
@@ -70,7 +73,7 @@ class TrackerPipeline {
   // What comes in. Thread-safe.
 
   /// `arrival` [s] on the caller's clock. Returns the images that had to be shed, because too many wait.
-  std::vector<CameraImage> addImage(const CameraImage& image, double arrival = 0.0);
+  std::vector<CameraImage> addImage(CameraImage image, double arrival = 0.0);
   void addFrame(const FrameConstPtr& frame);
   void addReference(const MapperMessage& reference);
   /// Another calibration of the camera ends what went before, once there was one. `known`: how it is to be corrected.
@@ -91,27 +94,27 @@ class TrackerPipeline {
   std::size_t takeStale();
   /// True if the calibration was corrected by one of them.
   bool takeCorrected();
+  /// The image that the last step took, also if it has thrown; nullopt if it did something else.
+  const std::optional<TrackerStep>& imageInWork() const { return in_work_; }
+  /// Those that wait, for whoever ends: nothing will be done with them, nor with whatever else waits.
+  std::vector<CameraImage> takeImages();
 
   const TrackingLoop& tracking() const { return loop_; }
 
  private:
-  struct QueuedImage {
-    CameraImage image;
-    double arrival = 0.0;
-  };
   struct KnownCamera {
     CameraCalibration calibration;
     CalibrationCorrection correction;
   };
   struct ResetRequest {};
-  using Job = std::variant<QueuedImage, FrameConstPtr, KnownCamera, ResetRequest>;
+  using Job = std::variant<CameraImage, FrameConstPtr, KnownCamera, ResetRequest>;
   enum class Turn { kQueue, kWaitingFrame, kNothing };
 
   static std::size_t bytesOf(const Job& job);
   static std::size_t mostDispensable(const std::deque<Job>& jobs);
   Turn turn() const;
   TrackerStep takeJob();
-  TrackerStep takeImage(const QueuedImage& queued);
+  TrackerStep takeImage(const CameraImage& image);
   TrackerStep takeFrame(const FrameConstPtr& frame);
   TrackerStep takeCalibration(const KnownCamera& camera);
   std::optional<TrackerStep> trackWaiting(bool may_hold);
@@ -130,6 +133,7 @@ class TrackerPipeline {
   TrackingLoop loop_;
   CatchUpPace pace_;
   OdometryCovariance covariance_;
+  std::optional<TrackerStep> in_work_;
   TrackerStep last_;               // of the newest image that had a result of its own
   bool late_since_image_ = false;  // a waiting frame has been tracked since the last image
   std::uint64_t session_;

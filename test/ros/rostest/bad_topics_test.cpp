@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
 
 #include <cv_bridge/cv_bridge.h>
 #include <sensor_msgs/CompressedImage.h>
@@ -123,6 +127,40 @@ TEST_F(BadInput, WithoutAMapperTheTrackerSaysSo) {
 }
 
 /// The node of bad_input.test, with the preset of a driver that sends bare numbers.
+/// With room for five images most are shed that come at once, because their exposures come late; the last ones wait for
+/// theirs when the tracker ends.
+TEST_F(BadInput, EveryImageIsWrittenDownWhateverBecomesOfIt) {
+  const std::string folder = (std::filesystem::temp_directory_path() / ("mba_vo_" + name_)).string();
+  ros::NodeHandle parameters("/hurried");
+  parameters.setParam("image_queue_mb", 0.1);
+  parameters.setParam("exposure_wait", 10.0);
+  parameters.setParam("publish_tf", false);
+  parameters.setParam("output_directory", folder);
+  auto hurried = std::make_unique<LiveOdometry>("/hurried", "/" + name_ + "_camera");
+  const auto send = [this](int from, int to) {
+    for (int i = from; i < to; ++i) sendImage(stamp(i));
+  };
+  const auto has_come = [this](const Outputs& o) { return o.status.back()->frames_in == sent_; };
+  sendCameraInfo();
+  send(0, 60);
+  ASSERT_TRUE(hurried->waitFor(has_come, kTimeout));
+  sendExposure(stamp(60), 0.01);
+  ASSERT_TRUE(hurried->waitUntilDone(sent_, kTimeout));
+  const std::uint64_t shed = hurried->status().frames_shed;
+  EXPECT_GT(shed, 0U);
+  send(61, 70);
+  ASSERT_TRUE(hurried->waitFor(has_come, kTimeout));
+  hurried.reset();
+  std::map<std::string, std::uint64_t> rows;
+  std::ifstream frames(folder + "/frames.csv");
+  std::string line;
+  std::getline(frames, line);  // the header
+  while (std::getline(frames, line)) ++rows[line.find(",SHED,") == std::string::npos ? "others" : "shed"];
+  EXPECT_EQ(rows["shed"] + rows["others"], sent_);
+  EXPECT_GE(rows["shed"], shed);
+  std::filesystem::remove_all(folder);
+}
+
 TEST(ExposureRelay, GivesEachImageTheNumberThatArrivesNextToIt) {
   ros::NodeHandle nh("/relay");
   std::mutex mutex;
