@@ -45,12 +45,18 @@ void PipelineThread::work() {
     while (!isStopped() && work_.step()) {
     }
   } catch (const std::exception& error) {
-    work_.onException(error.what());
-    wake();
+    report(error.what());
   } catch (...) {
-    work_.onException("unknown exception");
-    wake();
+    report("unknown exception");
   }
+}
+
+void PipelineThread::report(const char* what) {
+  try {
+    work_.onException(what);
+  } catch (...) {  // there is nobody left to be told
+  }
+  wake();
 }
 
 bool PipelineThread::waitUntilWoken() {

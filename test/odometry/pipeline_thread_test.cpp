@@ -59,6 +59,19 @@ TEST(PipelineThread, WhatIsThrownIsReportedAndWorkGoesOn) {
   EXPECT_EQ(all, "out of luck; unknown exception; ");
 }
 
+TEST(PipelineThread, AReportThatFailsEndsNeitherTheProcessNorTheWork) {
+  std::atomic<int> steps{0};
+  std::promise<void> went_on;
+  const auto step = [&]() -> bool {
+    if (++steps == 1) throw std::runtime_error("out of luck");
+    if (steps == 2) went_on.set_value();
+    return false;
+  };
+  PipelineThread thread({step, [](const std::string& what) { throw std::runtime_error("again " + what); }});
+  thread.wake();
+  went_on.get_future().wait();
+}
+
 TEST(PipelineThread, EndsAfterTheStepThatIsBeingDone) {
   std::promise<void> started;
   std::atomic<bool> ended{false};

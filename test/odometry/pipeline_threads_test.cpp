@@ -47,7 +47,7 @@ class Threads {
         mapper_(options().mapper, kQueueBytes),
         mapping_({[this] { return map(); }, [this](const std::string& what) { recoverMapper(what); }},
                  PipelineThread::Priority::kBackground),
-        tracking_({[this] { return track(); }, [this](const std::string&) { tracker_.requestReset(); }}) {
+        tracking_({[this] { return track(); }, [this](const std::string&) { recoverTracker(); }}) {
     tracker_.setCalibration(sequence().calibration);
   }
   ~Threads() {
@@ -66,26 +66,39 @@ class Threads {
     image.image = frame.blurred;
     tracker_.addImage(image);
     tracking_.wake();
-    // As fast as the two can, but no faster: what they have no time for they leave out.
-    while (first_results_ < added_ || mapper_.queueBytes() > 0)
+    // As fast as the two can, but no faster: what they have no time for they leave out. The tracker does not wait for
+    // a trajectory that is being saved.
+    while (first_results_ < added_ || (mapper_.queueBytes() > 0 && !saving_))
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   void reset() {
     tracker_.requestReset();
     tracking_.wake();
   }
-  void failNextFrame() { fail_ = true; }
+  void failNextFrame() { fail_mapper_ = true; }
+  void failNextImage() { fail_tracker_ = true; }
   std::vector<TrajectoryEntry> trajectory() {
     auto future = mapper_.requestTrajectory();
+    saving_ = true;
     mapping_.wake();
-    return future.get();
+    std::vector<TrajectoryEntry> entries = future.get();
+    saving_ = false;
+    return entries;
   }
-  int failures() const { return failures_; }
+  bool isSaving() const { return saving_; }
+  int mapperFailures() const { return mapper_failures_; }
+  int trackerFailures() const { return tracker_failures_; }
+  int resets() const { return resets_; }
+  /// Keyframes offered for deblurring.
+  std::uint64_t offered() const { return offered_; }
 
  private:
   bool track() {
     const std::optional<TrackerStep> step = tracker_.step();
     if (!step) return false;
+    if (step->kind == TrackerStep::Kind::kImage && fail_tracker_.exchange(false))
+      throw std::runtime_error("on purpose");
+    if (step->kind == TrackerStep::Kind::kReset) ++resets_;
     if (step->message.tracked) {
       mapper_.addFrame(step->message);
       for (const TrackerMessage& placed : step->placed) mapper_.addFrame(placed);
@@ -96,9 +109,10 @@ class Threads {
   }
   bool map() {
     const std::optional<MapperStep> step = mapper_.step();
+    offered_ = mapper_.mapper().deblurCounts().offered;
     if (!step) return false;
     if (step->reference.reference) deliver(step->reference);
-    if (step->kind == MapperStep::Kind::kFrame && fail_.exchange(false)) throw std::runtime_error("on purpose");
+    if (step->kind == MapperStep::Kind::kFrame && fail_mapper_.exchange(false)) throw std::runtime_error("on purpose");
     return true;
   }
   void deliver(const MapperMessage& reference) {
@@ -106,30 +120,43 @@ class Threads {
     tracking_.wake();
   }
   void recoverMapper(const std::string& what) {
-    ++failures_;
+    ++mapper_failures_;
     const MapperMessage closed = mapper_.recover(what);
     if (closed.reference) deliver(closed);
+  }
+  void recoverTracker() {
+    ++tracker_failures_;
+    if (tracker_.imageInWork()) ++first_results_;  // it has none
+    tracker_.requestReset();
   }
 
   TrackerPipeline tracker_;
   MapperPipeline mapper_;
   std::atomic<std::uint64_t> added_{0};
   std::atomic<std::uint64_t> first_results_{0};
-  std::atomic<int> failures_{0};
-  std::atomic<bool> fail_{false};
+  std::atomic<std::uint64_t> offered_{0};
+  std::atomic<int> mapper_failures_{0}, tracker_failures_{0}, resets_{0};
+  std::atomic<bool> fail_mapper_{false}, fail_tracker_{false}, saving_{false};
   PipelineThread mapping_;
   PipelineThread tracking_;
 };
 
 TEST(PipelineThreads, TrackMapSaveResetFailAndEnd) {
   Threads threads;
+  std::future<std::vector<TrajectoryEntry>> saved;
+  int while_saving = 0;  // images
   for (int i = 0; i < kImages; ++i) {
+    while_saving += threads.isSaving() ? 1 : 0;
     threads.add(i);
-    if (i != kImages - 5) continue;
-    EXPECT_FALSE(threads.trajectory().empty());  // while work goes on
+    if (i != kImages - 20) continue;
+    saved = std::async(std::launch::async, [&] { return threads.trajectory(); });
+    while (!threads.isSaving()) std::this_thread::yield();
   }
+  EXPECT_FALSE(saved.get().empty());
+  EXPECT_GT(while_saving, 0);
   const std::size_t first = threads.trajectory().size();
   EXPECT_GT(first, kImages / 2U);
+  EXPECT_GT(threads.offered(), 0U);
 
   threads.reset();
   for (int i = 0; i < kImages; ++i) threads.add(i, 10000000000);
@@ -138,10 +165,13 @@ TEST(PipelineThreads, TrackMapSaveResetFailAndEnd) {
 
   threads.failNextFrame();
   for (int i = 0; i < kImages; ++i) threads.add(i, 20000000000);
-  EXPECT_EQ(threads.failures(), 1);
+  EXPECT_EQ(threads.mapperFailures(), 1);
   EXPECT_GT(threads.trajectory().size(), second);
-  threads.reset();
+
+  threads.failNextImage();
   for (int i = 0; i < 30; ++i) threads.add(i, 30000000000);  // and ends while it works
+  EXPECT_EQ(threads.trackerFailures(), 1);
+  EXPECT_EQ(threads.resets(), 2) << "one that was asked for, one after the failure";
 }
 
 }  // namespace

@@ -9,7 +9,8 @@
 namespace mba_vo {
 
 /// A thread that works for one half of the pipeline: it calls `step` as long as there is something to do and sleeps
-/// until it is woken. Whatever is thrown there ends the step, never the process: it is reported and work goes on.
+/// until it is woken. Whatever is thrown there ends the step, never the process: it is reported, and work goes on, also
+/// if the report fails.
 class PipelineThread {
  public:
   enum class Priority { kOrdinary, kBackground };  // background: it works in the time that others leave
@@ -32,6 +33,7 @@ class PipelineThread {
  private:
   void run();
   void work();
+  void report(const char* what);
   bool waitUntilWoken();
 
   const Work work_;
