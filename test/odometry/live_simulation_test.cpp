@@ -1,6 +1,7 @@
 #include "mba_vo/odometry/live_simulation.h"
 
 #include <algorithm>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -16,28 +17,34 @@ using test::Outcome;
 
 constexpr double kExposure = 0.03;  // [s]
 constexpr int kImages = 70;
+constexpr double kLeastShare = 0.6;  // of the images since the map that have a pose
 
-const test::RenderedSequence& sequence() {
-  static const test::RenderedSequence rendered = [] {
-    SimulationConfig config = test::sequenceConfig(kExposure);
-    config.trajectory_seed = 3;
-    return test::renderFrames(config, 0, kImages);
-  }();
-  return rendered;
+test::RenderedSequence rendered(int images) {
+  SimulationConfig config = test::sequenceConfig(kExposure);
+  config.trajectory_seed = 3;
+  return test::renderFrames(config, 0, images);
 }
 
+const test::RenderedSequence& sequence() {
+  static const test::RenderedSequence once = rendered(kImages);
+  return once;
+}
+
+using Images = std::vector<PublishedImage>;
+
 struct LiveRun {
-  std::vector<PublishedImage> images;
+  Images images;
   std::vector<Outcome> outcomes;
+  std::set<std::uint64_t> late;  // images that had to wait, and were tracked then
   int keyframes = 0;
 };
 
-LiveRun runOn(const Machine& machine) {
+LiveRun runOn(const Machine& machine, const test::RenderedSequence& seen = sequence()) {
   OdometryConfig config;
   config.mapper.deterministic = true;
   finalize(config);
   LiveSimulation live(config, machine);
-  live.setCalibration(sequence().calibration, {});
+  live.setCalibration(seen.calibration, {});
   LiveRun run;
   const auto take = [&](const OdometryResult& result) {
     for (const PublishedImage& image : result.images) {
@@ -46,9 +53,10 @@ LiveRun runOn(const Machine& machine) {
         run.outcomes.push_back(test::outcomeOf(*image.step.message.tracked, image.step.T_odom_camera));
       }
     }
+    for (const TrackedFrameConstPtr& late : result.late) run.late.insert(late->frame->sequence);
     for (const MapperOutput& output : result.mapping) run.keyframes += output.keyframe ? 1 : 0;
   };
-  for (const SimulatedFrame& frame : sequence().frames) {
+  for (const SimulatedFrame& frame : seen.frames) {
     CameraImage image;
     image.sequence = frame.id;
     image.stamp_ns = image.mid_exposure_ns = frame.mid_exposure_ns;
@@ -60,10 +68,32 @@ LiveRun runOn(const Machine& machine) {
   return run;
 }
 
+bool hasPose(const PublishedImage& image) {
+  return image.step.message.tracked && image.step.message.tracked->tracked();
+}
+
 int posesOf(const LiveRun& run) {
-  return static_cast<int>(std::count_if(run.images.begin(), run.images.end(), [](const PublishedImage& image) {
-    return image.step.message.tracked && image.step.message.tracked->tracked();
+  return static_cast<int>(std::count_if(run.images.begin(), run.images.end(), hasPose));
+}
+
+/// Images that had to wait for others and were never tracked.
+int leftOutOf(const LiveRun& run) {
+  return static_cast<int>(std::count_if(run.images.begin(), run.images.end(), [&](const PublishedImage& image) {
+    const TrackerMessage& message = image.step.message;
+    return message.has_reference && message.tracked->status == TrackingStatus::kInitializing &&
+           run.late.count(image.step.sequence) == 0;
   }));
+}
+
+Images::const_iterator firstMapped(const LiveRun& run) {
+  const auto isMapped = [](const PublishedImage& image) { return image.step.message.has_reference; };
+  return std::find_if(run.images.begin(), run.images.end(), isMapped);
+}
+
+/// Of the images from `first` on: with a pose when they were published.
+double shareOfPoses(Images::const_iterator first, const LiveRun& run) {
+  return static_cast<double>(std::count_if(first, run.images.end(), hasPose)) /
+         static_cast<double>(std::distance(first, run.images.end()));
 }
 
 double worstLatency(const LiveRun& run) {
@@ -102,14 +132,24 @@ TEST(LiveSimulation, OverloadIsNotSilence) {
   Machine one_core = Machine();
   one_core.cores = 1.0;
   const LiveRun run = runOn(one_core);
-  const auto isMapped = [](const PublishedImage& image) { return image.step.message.has_reference; };
-  const auto map = std::find_if(run.images.begin(), run.images.end(), isMapped);
+  const auto map = firstMapped(run);
   ASSERT_NE(map, run.images.end());
-  const auto pose = std::find_if(map, run.images.end(), [](const PublishedImage& image) {
-    return image.step.message.tracked && image.step.message.tracked->tracked();
-  });
+  const auto pose = std::find_if(map, run.images.end(), hasPose);
   ASSERT_NE(pose, run.images.end());
   EXPECT_LT(pose->published - map->published, 2.0);
+  EXPECT_GE(shareOfPoses(map, run), kLeastShare);
+}
+
+/// So slow that without thinning out what waits there would never be a pose.
+TEST(LiveSimulation, WhatWaitsIsThinnedOutUntilItIsCaughtUpWith) {
+  constexpr int kMoreImages = 220;
+  Machine slow_core = Machine().slowedBy(2.8);
+  slow_core.cores = 1.0;
+  const LiveRun run = runOn(slow_core, rendered(kMoreImages));
+  const auto map = firstMapped(run);
+  ASSERT_NE(map, run.images.end());
+  EXPECT_GT(leftOutOf(run), 0);
+  EXPECT_GE(shareOfPoses(map, run), kLeastShare);
 }
 
 }  // namespace
