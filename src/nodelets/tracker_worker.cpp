@@ -129,7 +129,7 @@ bool TrackerWorker::step() {
     record(*step);
   }
   if (step->endsImage()) latency_ = now() - step->arrival;
-  sayIfChanged(*step);
+  console_.tell(*step);
   return true;
 }
 
@@ -232,20 +232,6 @@ TrackerStep TrackerWorker::numbered(TrackerStep step) const {
 std::string TrackerWorker::nameOf(const TrackerStep& step) const {
   return "image " + std::to_string(step.sequence - first_sequence_) + " of " +
          std::to_string(1e-9 * static_cast<double>(step.stamp_ns)) + " s";
-}
-
-void TrackerWorker::sayIfChanged(const TrackerStep& step) {
-  const TrackingPhase phase = step.phase;
-  const TrackingPhase before = std::exchange(last_phase_, phase);
-  if (phase == before) return;
-  const std::string why = step.message.tracked ? step.message.tracked->reason : step.reason;
-  if (phase == TrackingPhase::kLost) ROS_WARN_STREAM("the camera is lost, and looked for: " << why);
-  if (phase == TrackingPhase::kNoMap && !step.began_anew) ROS_WARN_STREAM("there is no map any more: " << why);
-  if (before == TrackingPhase::kLost && phase != TrackingPhase::kNoMap) ROS_INFO("the camera is found again");
-  if (phase == TrackingPhase::kCatchingUp && before == TrackingPhase::kNoMap) {
-    ROS_INFO("there is a map: the images that waited for it are caught up with");
-  }
-  if (phase == TrackingPhase::kTracking && before == TrackingPhase::kCatchingUp) ROS_INFO("caught up");
 }
 
 MeasuredMotion TrackerWorker::motionOf(const TrackerStep& step, const TrackedFrameConstPtr& tracked,

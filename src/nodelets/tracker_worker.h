@@ -16,6 +16,7 @@
 #include "mba_vo/ros/intra_process_messages.h"
 #include "motion_publisher.h"
 #include "status_reporter.h"
+#include "tracker_console.h"
 #include "view_publisher.h"
 
 namespace mba_vo {
@@ -53,7 +54,6 @@ class TrackerWorker {
   void record(const TrackerStep& step);
   void recordShed(const CameraImage& image, const std::string& reason);
   TrackerStep numbered(TrackerStep step) const;
-  void sayIfChanged(const TrackerStep& step);
   /// Of an image, for people.
   std::string nameOf(const TrackerStep& step) const;
   MeasuredMotion motionOf(const TrackerStep& step, const TrackedFrameConstPtr& tracked, const SE3& T_odom_camera);
@@ -79,7 +79,7 @@ class TrackerWorker {
   std::uint64_t session_ = 0;
   std::optional<CalibrationCorrection> kept_;  // for the next start
   std::int64_t last_measured_ns_ = 0;          // mid-exposure; 0 = none
-  TrackingPhase last_phase_ = TrackingPhase::kNoMap;
+  TrackerConsole console_;
 
   PipelineThread thread_;  // the last one: it ends first
 };
