@@ -27,13 +27,7 @@ OdometryResult LiveSimulation::process(const CameraImage& image) {
   runUntil(arrival, result);
   now_ = arrival;  // after a clock that began anew, time jumps
   for (const CameraImage& shed : tracker_.addImage(image, arrival)) {
-    TrackerStep step;
-    step.kind = TrackerStep::Kind::kShed;
-    step.sequence = shed.sequence;
-    step.stamp_ns = shed.stamp_ns;
-    step.mid_exposure_ns = shed.mid_exposure_ns;
-    step.reason = "shed: the tracker does not keep up with the camera";
-    result.images.push_back({step, now_});
+    result.images.push_back({stepOfShed(shed, "the tracker does not keep up with the camera"), now_});
   }
   return result;
 }
