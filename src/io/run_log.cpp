@@ -35,10 +35,10 @@ void takeTracking(const TrackedFrame& tracked, FrameRecord& record) {
 
 void takePublished(const PublishedImage& image, FrameRecord& record) {
   const TrackedFrame& tracked = *image.step.message.tracked;
-  record.online_status = tracked.orientation_only ? "ORIENTATION" : toString(tracked.status);
-  if (!tracked.tracked() && !tracked.orientation_only) return;
+  record.online_status = tracked.orientation_only ? "ORIENTATION" : toString(tracked.publishedStatus());
+  if (!tracked.hasPose() && !tracked.orientation_only) return;
   record.published = image.published;
-  if (!tracked.tracked()) return;
+  if (!tracked.hasPose()) return;
   const SE3& T_odom_camera = image.step.T_odom_camera;
   record.online = {tracked.reference.map_id,   image.step.T_map_odom * T_odom_camera, T_odom_camera,
                    image.step.covariance.odom, tracked.trajectory.velocity,           image.step.covariance.velocity};

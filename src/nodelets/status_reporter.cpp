@@ -48,7 +48,7 @@ void StatusReporter::imageRepeated(std::int64_t stamp_ns, const std::string& rea
 void StatusReporter::imageTracked(const TrackedFrame& tracked, const std::string& exposure_source, bool tf_predicted) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const std::uint8_t previous = status_.state;
-  status_.state = toState(tracked.status);
+  status_.state = toState(tracked.publishedStatus());
   rejection_.clear();
   any_usable_ = true;
   status_.header.stamp = toRosTime(tracked.frame->stamp_ns);
@@ -61,7 +61,7 @@ void StatusReporter::imageTracked(const TrackedFrame& tracked, const std::string
   const bool known = std::isfinite(estimate.log_sigma);
   status_.exposure_ratio = known ? estimate.ratio : std::numeric_limits<double>::quiet_NaN();
   status_.exposure_ratio_sigma = known ? estimate.log_sigma : std::numeric_limits<double>::quiet_NaN();
-  switch (tracked.status) {
+  switch (tracked.publishedStatus()) {
     case TrackingStatus::kTracking:
       ++status_.frames_tracked;
       break;
@@ -74,7 +74,7 @@ void StatusReporter::imageTracked(const TrackedFrame& tracked, const std::string
     default:
       ++status_.frames_initializing;
   }
-  if (!tracked.tracked() || status_.state != previous) {
+  if (!tracked.hasPose() || status_.state != previous) {
     publishLocked(status_.reason);
   }
 }

@@ -167,7 +167,7 @@ void TrackerWorker::forward(const TrackerMessage& message) {
   if (std::exchange(session_, message.session) != message.session) next_number_ = 0;
   const auto out = boost::make_shared<TrackedFrameMessage>();
   out->message = message;
-  if (message.tracked->tracked() || extrinsic_.isSettled()) {  // without a pose there is nothing to place yet
+  if (message.tracked->hasPose() || extrinsic_.isSettled()) {  // without a pose there is nothing to place yet
     out->message.mount.T_base_camera = extrinsic_.T_base_camera();
   }
   out->summary = summarize(message);
@@ -179,7 +179,7 @@ void TrackerWorker::forward(const TrackerMessage& message) {
 void TrackerWorker::publishImage(const TrackerStep& step) {
   const TrackedFrame& tracked = *step.message.tracked;
   if (!step.reason.empty()) ROS_WARN_STREAM_THROTTLE(kWarnPeriod, nameOf(step) << ": " << step.reason);
-  if (tracked.tracked() || (tracked.orientation_only && extrinsic_.isSettled())) publishMotion(step);
+  if (tracked.hasPose() || (tracked.orientation_only && extrinsic_.isSettled())) publishMotion(step);
   record(step);
   status_.imageTracked(tracked, exposureSource(step), publishPrediction(step));
   view_.publishImage(tracked, pipeline_.tracking().reference(), step.message.mount.camera_frame);
@@ -187,7 +187,7 @@ void TrackerWorker::publishImage(const TrackerStep& step) {
 
 /// The pose goes to those who join it with images by their stamps; for all others it is no news.
 void TrackerWorker::publishRepeated(const TrackerStep& step) {
-  if (step.repeated && step.repeated->tracked()) {
+  if (step.repeated && step.repeated->hasPose()) {
     motions_.publishExposureMotion(motionOf(step, step.repeated, step.T_odom_camera));
   }
   record(step);
@@ -203,7 +203,7 @@ void TrackerWorker::publishMotion(const TrackerStep& step) {
 }
 
 bool TrackerWorker::publishPrediction(const TrackerStep& step) {
-  if (!step.predicted_T_odom_camera || !config_.publish_tf) return false;
+  if (!step.predicted_T_odom_camera || step.message.tracked->predicted || !config_.publish_tf) return false;
   if (!(secondsSinceMeasured(*step.message.tracked->frame) < config_.tf_prediction)) return false;
   motions_.publishPrediction(motionOf(step, step.message.tracked, *step.predicted_T_odom_camera));
   return true;

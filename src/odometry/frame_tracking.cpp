@@ -31,10 +31,10 @@ SE3 FrameTracking::changeReference(const ReferenceConstPtr& reference) {
   return T_new_old;
 }
 
-SE3 FrameTracking::recover(const ReferenceConstPtr& reference) {
+SE3 FrameTracking::recover(const ReferenceConstPtr& reference, const SE3& T_odom_hint) {
   SE3 T_new_old = changeReference(reference);
   state_ = TrackingState(*reference);
-  T_odom_reference_ = T_odom_camera_ * state_.T_reference_last().inverse();
+  T_odom_reference_ = T_odom_hint * state_.T_reference_last().inverse();
   return T_new_old;
 }
 
@@ -56,9 +56,9 @@ FrameConstPtr FrameTracking::asKnownNow(const FrameConstPtr& frame) const {
   return withExposure(frame, exposure);
 }
 
-std::shared_ptr<TrackedFrame> FrameTracking::track(const FrameConstPtr& given) {
+std::shared_ptr<TrackedFrame> FrameTracking::track(const FrameConstPtr& given, const std::optional<CameraTurn>& turn) {
   const FrameConstPtr frame = asKnownNow(given);
-  const TrackingGuess guess = state_.guessFor(*frame, config_.unknown_exposure);
+  const TrackingGuess guess = state_.guessFor(*frame, config_.unknown_exposure, turn);
   auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
   tracked->exposure_estimate = exposures_.estimate(given->exposure.has_value(), given->mid_exposure_ns);
   exposures_.add(reference_, tracked, given->exposure);
@@ -88,13 +88,17 @@ std::shared_ptr<TrackedFrame> FrameTracking::trackAhead(const FrameConstPtr& giv
   return tracked;
 }
 
-double FrameTracking::imageSpeed() const {
+double FrameTracking::meanDepth() const {
   double inverse_depths = 0.0;
   for (const ReferencePoint& point : reference_->points) inverse_depths += static_cast<double>(point.inverse_depth);
-  const double mean =
-      reference_->points.empty() ? 0.0 : inverse_depths / static_cast<double>(reference_->points.size());
+  return inverse_depths > 0.0 ? static_cast<double>(reference_->points.size()) / inverse_depths : 0.0;
+}
+
+double FrameTracking::imageSpeed() const {
   const Vector6& v = state_.last().velocity;
-  return reference_->pyramid->level(0).camera.fx * (v.tail<3>().norm() + mean * v.head<3>().norm());
+  const double depth = meanDepth();
+  const double parallax = depth > 0.0 ? v.head<3>().norm() / depth : 0.0;  // [rad/s]
+  return reference_->pyramid->level(0).camera.fx * (v.tail<3>().norm() + parallax);
 }
 
 std::optional<SE3> FrameTracking::predicted_T_odom_camera(std::int64_t mid_exposure_ns) const {

@@ -30,7 +30,7 @@ double Machine::secondsFor(const TrackerStep& step) const {
   if (tracked) {
     const bool aligned = tracked->tracked() || (tracked->status == TrackingStatus::kLost && !tracked->blind);
     if (aligned) ms += track + track_per_px * tracked->measures.blur_length_px;
-    if (tracked->orientation_only) ms += orientation;
+    if (tracked->orientation_only || tracked->predicted) ms += orientation;
   }
   return kSecondsPerMillisecond * ms;
 }

@@ -36,7 +36,8 @@ void MachineMeter::add(const TrackerStep& step, double seconds) {
   const TrackedFrameConstPtr& tracked = step.message.tracked;
   if (!tracked) return;
   if (tracked->tracked()) track_.add(ms - step.build_ms, tracked->measures.blur_length_px);
-  if (tracked->orientation_only) orientation_.add(ms - step.build_ms);
+  const bool alone = tracked->orientation_only && tracked->status == TrackingStatus::kInitializing;
+  if (alone) orientation_.add(ms - step.build_ms);
 }
 
 void MachineMeter::add(const MapperStep& step, double seconds) {

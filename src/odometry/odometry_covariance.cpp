@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mba_vo/tracking/motion_state.h"
+
 namespace mba_vo {
 namespace {
 
@@ -19,7 +21,6 @@ constexpr double kScaleDrift = 3e-4;       // and of its drift with each keyfram
 constexpr double kMemory = 2.0;              // [s] of the accelerations
 constexpr double kLag = 1.5;                 // [frame intervals] of a velocity that was predicted, see MotionState
 constexpr double kUnmeasuredVariance = 1e6;  // of what nothing has measured [m^2, m^2/s^2, rad^2/s^2]
-constexpr double kLongestInterval = 0.15;    // [s] two velocities further apart say nothing of an acceleration
 constexpr double kUnknownExposureSigma = 1;  // of the log of an exposure that nobody told
 
 Matrix6 seenThrough(const SE3& T, const Matrix6& covariance) {
@@ -35,39 +36,31 @@ Matrix6 isotropic(double translation, double rotation) {
 
 Matrix6 squareOf(const Vector6& error) { return error * error.transpose(); }
 
-/// The tracker's covariance knows the noise. What else is wrong, depths above all, does most harm where a few patches
-/// of new points have to tell for all the image, as on a fast turn: the error grows with the square of what noise
-/// makes.
+}  // namespace
+
 Matrix12 alignmentCovariance(const TrackedFrame& tracked) {
   const double badness = tracked.expected_error / kModelError;
   return (kNoiseShare + badness * badness) * tracked.covariance;
 }
 
-}  // namespace
-
 MotionCovariance OdometryCovariance::update(const TrackedFrame& tracked, const SE3& T_odom_camera,
                                             const SE3& T_map_odom) {
-  if (!tracked.tracked() && !tracked.orientation_only) {
+  if (!tracked.hasPose() && !tracked.orientation_only) {
     lost_ = true;
     return {};
   }
   const std::int64_t now = tracked.frame->mid_exposure_ns;
   const double seconds = last_ ? 1e-9 * static_cast<double>(now - last_->mid_exposure_ns) : 0.0;
-  const bool same_map = tracked.tracked() && has_map_ && last_->reference.map_id == tracked.reference.map_id;
+  const bool same_map = has_map_ && last_->reference.map_id == tracked.reference.map_id;
   if (has_map_ && !same_map) closeMap(T_odom_camera, seconds);
   const SE3 T_camera_odom = T_odom_camera.inverse();
-  MotionCovariance result;
-  if (tracked.orientation_only) {
-    result.map = tracked.covariance.topLeftCorner<6, 6>();
-    result.odom = seenThrough(T_camera_odom, before_) + result.map;
-    result.velocity = kUnmeasuredVariance * Matrix6::Identity();
-    return result;
-  }
+  if (!tracked.tracked()) return reckoned(tracked, T_camera_odom, seconds);
   if (has_map_) {
     goOnInMap(tracked, T_odom_camera, T_map_odom);
   } else {
     beginMap(tracked, T_odom_camera, T_map_odom);
   }
+  MotionCovariance result;
   const Matrix6 alignment = alignmentCovariance(tracked).topLeftCorner<6, 6>();
   const Vector6 left_behind = (T_camera_odom * T_map_odom_first_.inverse() * T_map_odom * T_odom_camera).log();
   result.map = seenThrough(T_camera_odom, map_ + keyframe_) + scaleErrors(T_odom_camera) + alignment;
@@ -76,6 +69,30 @@ MotionCovariance OdometryCovariance::update(const TrackedFrame& tracked, const S
   result.velocity = velocityCovariance(tracked, seconds);
   last_ = {tracked.reference, now, T_odom_camera, T_map_odom, alignment, result};
   lost_ = false;
+  return result;
+}
+
+/// The rotation is measured. Where a map was left a moment ago, the position is predicted from the velocity of then.
+MotionCovariance OdometryCovariance::reckoned(const TrackedFrame& tracked, const SE3& T_camera_odom, double seconds) {
+  MotionCovariance result;
+  result.map = tracked.covariance.topLeftCorner<6, 6>();
+  result.velocity = kUnmeasuredVariance * Matrix6::Identity();
+  Matrix6 before = before_;
+  if (has_map_) {
+    lost_ = true;
+    const double predicted = std::min(seconds, kLongestPrediction);
+    const double bend = 0.25 * std::pow(predicted, 4) * acceleration_.linear;
+    const double way = speed_.linear / 3.0 * (seconds - predicted) * (seconds - predicted);
+    result.map.topLeftCorner<3, 3>() = (bend + way) * Eigen::Matrix3d::Identity();
+    before = seenThrough(last_->T_odom_camera, last_->covariance.odom);
+    if (tracked.predicted) {
+      result.velocity =
+          last_->covariance.velocity + seconds * seconds * isotropic(acceleration_.linear, acceleration_.angular);
+    }
+  }
+  result.odom = seenThrough(T_camera_odom, before) + result.map;
+  result.map +=
+      has_map_ ? seenThrough(T_camera_odom, seenThrough(last_->T_odom_camera, last_->covariance.map)) : Matrix6::Zero();
   return result;
 }
 
@@ -144,7 +161,7 @@ void OdometryCovariance::observeMotion(const TrackedFrame& tracked, double secon
   const double weight = 1.0 / static_cast<double>(++frames_);
   speed_.linear += weight * (velocity.head<3>().squaredNorm() - speed_.linear);
   speed_.angular += weight * (velocity.tail<3>().squaredNorm() - speed_.angular);
-  if (frames_ > 1 && seconds > 0.0 && seconds < kLongestInterval) {
+  if (frames_ > 1 && seconds > 0.0 && seconds < kLongestPrediction) {
     const Vector6 acceleration = (velocity - velocity_) / seconds;
     const double share = std::max(1.0 / static_cast<double>(frames_ - 1), std::min(1.0, seconds / kMemory));
     acceleration_.linear += share * (acceleration.head<3>().squaredNorm() / 3.0 - acceleration_.linear);

@@ -179,7 +179,9 @@ void TrackerPipeline::track(const FrameConstPtr& frame, bool frozen, TrackerStep
   step.T_odom_camera = loop_.T_odom_camera();
   step.T_map_odom = loop_.T_map_odom();
   step.covariance = covariance_.update(*tracked, step.T_odom_camera, step.T_map_odom);
-  if (tracked->status == TrackingStatus::kLost) {
+  if (loop_.reference() && (tracked->orientation_only || tracked->predicted)) {
+    step.predicted_T_odom_camera = step.T_odom_camera;
+  } else if (tracked->status == TrackingStatus::kLost) {
     step.predicted_T_odom_camera = loop_.predicted_T_odom_camera(frame->mid_exposure_ns);
   }
   last_ = step;

@@ -10,10 +10,11 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kMapperTime = 1.0;       // [s] frames wait for so much longer than the initialiser keeps them
-constexpr double kLongestRevision = 1.0;  // [s] of frames that are tracked once more while new ones come
-constexpr double kLongestJump = 24.0;     // [px] of the image from a tracked frame to the next, if any are left out
-constexpr double kUnknownVariance = 1e6;  // of a position that nothing has measured [m^2]
+constexpr double kMapperTime = 1.0;           // [s] frames wait for so much longer than the initialiser keeps them
+constexpr double kLongestRevision = 1.0;      // [s] of frames that are tracked once more while new ones come
+constexpr double kLongestJump = 24.0;         // [px] of the image from a tracked frame to the next, if any are left out
+constexpr double kUnknownVariance = 1e6;      // of a position that nothing has measured [m^2]
+constexpr double kLargestUncertainty = 0.02;  // depths; of a place that is published: of so much a map is made
 constexpr const char* kNoMap = "no map yet";
 constexpr const char* kFrozen = "the image has been the same for too long: frozen";
 constexpr const char* kNoContent = "the image shows nothing: black, saturated, or the lens is covered";
@@ -22,9 +23,9 @@ constexpr const char* kNoContent = "the image shows nothing: black, saturated, o
 
 TrackingLoop::TrackingLoop(const OdometryConfig& config)
     : frames_(config.tracker),
-      orientation_(config.tracker),
       scheduler_(KeyframePolicy(config.keyframe)),
       longest_wait_(config.mapper.initializer.buffer_seconds + kMapperTime),
+      reckoning_(config.tracker, longest_wait_),
       no_map_reason_(kNoMap) {}
 
 TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame, bool has_time, bool frozen) {
@@ -35,7 +36,7 @@ TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame, bool has_
     if (auto tracked = trackAhead(frame)) return tracked;
   }
   if (phase_ == TrackingPhase::kTracking || phase_ == TrackingPhase::kLost) {
-    return track({frame, true, false, false, {}});
+    return trackNow({frame, true, false, false}, has_time);
   }
   return wait(frame, has_time);
 }
@@ -112,7 +113,7 @@ void TrackingLoop::reset() {
   recent_.clear();
   no_map_reason_ = kNoMap;
   scheduler_.meet();
-  T_odom_first_.reset();
+  reckoning_.reset();
 }
 
 /// An image to which nothing can be aligned.
@@ -143,8 +144,7 @@ bool TrackingLoop::leave(const Reference& closed) {
 }
 
 bool TrackingLoop::beginMap(const ReferenceConstPtr& reference) {
-  frames_.begin(reference, waiting_.T_odom_cameraAt(reference->hint->frame_sequence, frames_.T_odom_camera()));
-  T_odom_first_.reset();
+  frames_.begin(reference, reckoning_.T_odom_cameraAt(reference->hint->mid_exposure_ns));
   recent_.clear();
   scheduler_.meet();
   change(PhaseEvent::kMapBegins);
@@ -161,7 +161,8 @@ void TrackingLoop::changeKeyframe(const ReferenceConstPtr& reference, bool may_g
     newest_ = frames_.state();
     worst_need_ = 0.0;
   }
-  const SE3 T_new_old = found ? frames_.recover(reference) : frames_.changeReference(reference);
+  const SE3 T_new_old = found ? frames_.recover(reference, reckoning_.T_odom_cameraAt(reference->hint->mid_exposure_ns))
+                              : frames_.changeReference(reference);
   newest_.changeReference(T_new_old);
   recent_.changeReference(T_new_old);
   scheduler_.meet();
@@ -180,24 +181,26 @@ TrackedFrameConstPtr TrackingLoop::wait(const FrameConstPtr& frame, bool has_tim
   const bool has_map = phase_ != TrackingPhase::kNoMap;
   const auto result = untracked(frame, TrackingStatus::kInitializing,
                                 has_map ? "earlier frames are still being tracked" : no_map_reason_);
-  if (!has_map && has_time) trackOrientation(*result);
-  waiting_.add({frame, false, false, false, frames_.T_odom_camera()});
+  if (has_map) result->reference = frames_.reference()->id;
+  if (has_time) reckon(reckoning_.track(frame), *result);
+  waiting_.add({frame, false, false, false});
   waiting_.dropOlderThan(longest_wait_);
   if (has_map) change(PhaseEvent::kImageWaits);
   return result;
 }
 
-/// Without a map the odometry still turns with the camera.
-void TrackingLoop::trackOrientation(TrackedFrame& result) {
-  if (!T_odom_first_) {
-    orientation_.reset();
-    T_odom_first_ = frames_.T_odom_camera();
-  }
-  result.orientation_only = orientation_.track(result.frame);
-  result.trajectory = orientation_.last();
+/// What is not aligned to the map has a rotation all the same, and for a moment a position.
+void TrackingLoop::reckon(bool measured, TrackedFrame& result) {
+  frames_.moveTo(reckoning_.T_odom_camera());
+  result.trajectory = reckoning_.turn();
   result.covariance.diagonal().head<3>().setConstant(kUnknownVariance);
-  result.covariance.block<3, 3>(3, 3) = orientation_.covariance();
-  frames_.turnTo(*T_odom_first_ * result.trajectory.T_reference_mid);
+  result.covariance.block<3, 3>(3, 3) = reckoning_.covariance();
+  result.predicted = measured && phase_ != TrackingPhase::kNoMap && reckoning_.positionSigma() <= kLargestUncertainty;
+  result.orientation_only = measured && !result.predicted;
+  if (!result.predicted) return;
+  result.trajectory = {frames_.T_reference_odom() * reckoning_.T_odom_camera(), reckoning_.velocity(),
+                       result.frame->exposure.value_or(0.0)};
+  result.reason = "its turn is measured and its place predicted: " + result.reason;
 }
 
 /// While frames are tracked once more, a new frame gets a first result from what is known without them, and then waits
@@ -208,7 +211,8 @@ TrackedFrameConstPtr TrackingLoop::trackAhead(const FrameConstPtr& frame) {
     change(PhaseEvent::kFrameLost);
     return nullptr;
   }
-  waiting_.add({frame, true, false, true, {}});
+  waiting_.add({frame, true, false, true});
+  reckoning_.beginAt(*tracked, frames_.T_odom_camera(), frames_.meanDepth());
   if (waiting_.seconds() > kLongestRevision) leaveRevisions();
   return tracked;
 }
@@ -221,13 +225,25 @@ void TrackingLoop::leaveRevisions() {
   change(PhaseEvent::kGoOn);
 }
 
+/// A new image, while nothing waits.
+std::shared_ptr<TrackedFrame> TrackingLoop::trackNow(const WaitingFrame& next, bool has_time) {
+  const bool turn_first = phase_ == TrackingPhase::kLost && has_time;
+  const bool turned = turn_first && reckoning_.track(next.frame);
+  auto tracked = track(next);
+  if (tracked->tracked()) return tracked;
+  if (turn_first || has_time) reckon(turn_first ? turned : reckoning_.track(next.frame), *tracked);
+  return tracked;
+}
+
 std::shared_ptr<TrackedFrame> TrackingLoop::track(const WaitingFrame& next) {
   RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, KeyframeScheduler::kLost, frames_.state()};
-  auto tracked = frames_.track(next.frame);
+  const auto turn = reckoning_.turnBetween(frames_.state().lastNs(), next.frame->mid_exposure_ns);
+  auto tracked = frames_.track(next.frame, turn);
   if (tracked->tracked()) {
     scheduler_.judge(*frames_.reference(), next.mapped, *tracked);
     entry.mapped = next.mapped || !tracked->provisional;
     entry.need = scheduler_.need();
+    if (waiting_.empty()) reckoning_.beginAt(*tracked, frames_.T_odom_camera(), frames_.meanDepth());
   }
   recent_.add(entry, !tracked->tracked() || scheduler_.isWorthRevision());
   const bool waited = phase_ != TrackingPhase::kTracking && phase_ != TrackingPhase::kLost;

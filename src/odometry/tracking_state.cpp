@@ -9,6 +9,17 @@ namespace {
 
 constexpr double kClearChange = 0.4;  // of the log of the contrast
 
+/// As if the camera had turned evenly, and as fast as it turned at the end, to where it is now.
+void follow(const CameraTurn& turn, MotionPrior& prior) {
+  ExposureTrajectory& previous = prior.previous;
+  const Eigen::Vector3d way = prior.dt * previous.velocity.head<3>();
+  const SE3 T_reference_now = previous.T_reference_mid * SE3(turn.R_from_to, way);
+  previous.velocity.head<3>() = turn.R_from_to.conjugate() * previous.velocity.head<3>();
+  previous.velocity.tail<3>() = turn.angular_velocity;
+  previous.T_reference_mid = T_reference_now * SE3::exp(-prior.dt * previous.velocity);
+  prior.acceleration.setZero();
+}
+
 }  // namespace
 
 TrackingState::TrackingState(const Reference& reference)
@@ -16,8 +27,11 @@ TrackingState::TrackingState(const Reference& reference)
       brightness_(reference.brightness),
       contrast_(contrast(*reference.pyramid)) {}
 
-TrackingGuess TrackingState::guessFor(const Frame& frame, double unknown_exposure) const {
-  TrackingGuess guess(motion_.priorAt(frame.mid_exposure_ns), frame.exposure.value_or(unknown_exposure));
+TrackingGuess TrackingState::guessFor(const Frame& frame, double unknown_exposure,
+                                      const std::optional<CameraTurn>& turn) const {
+  MotionPrior prior = motion_.priorAt(frame.mid_exposure_ns);
+  if (turn) follow(*turn, prior);
+  TrackingGuess guess(prior, frame.exposure.value_or(unknown_exposure));
   guess.brightness = expectedBrightness(contrast(frame.pyramid));
   return guess;
 }

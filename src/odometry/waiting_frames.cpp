@@ -1,21 +1,13 @@
 #include "mba_vo/odometry/waiting_frames.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace mba_vo {
 
-const SE3& WaitingFrames::T_odom_cameraAt(std::uint64_t sequence, const SE3& otherwise) const {
-  const auto same = [&](const WaitingFrame& w) { return w.frame->sequence == sequence; };
-  const auto found = std::find_if(frames_.begin(), frames_.end(), same);
-  return found != frames_.end() ? found->T_odom_camera : otherwise;
-}
-
 void WaitingFrames::addRevisions(const std::vector<RecentFrames::Entry>& entries) {
   std::vector<WaitingFrame> again;
   again.reserve(entries.size());
-  for (const RecentFrames::Entry& entry : entries)
-    again.push_back({entry.frame, entry.in_time, entry.mapped, true, {}});
+  for (const RecentFrames::Entry& entry : entries) again.push_back({entry.frame, entry.in_time, entry.mapped, true});
   frames_.insert(frames_.begin(), again.begin(), again.end());
 }
 

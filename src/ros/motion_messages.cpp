@@ -87,7 +87,7 @@ ExposureMotion makeExposureMotion(const MeasuredMotion& motion, const FrameNames
   message.end = toPoseMsg(T_odom_reference * tracked.trajectory.end());
   message.blur_length = tracked.measures.blur_length_px;
   message.confidence = motionConfidence(tracked);
-  message.map_id = tracked.reference.map_id;
+  message.map_id = tracked.orientation_only ? 0 : tracked.reference.map_id;
   message.keyframe_id = tracked.reference.keyframe_id;
   message.revision = tracked.reference.revision;
   return message;

@@ -284,5 +284,27 @@ TEST(OdometryCovariance, WithoutExposureTheVelocityIsAsOldAsItIs) {
   EXPECT_LT(sum, 2.0);
 }
 
+/// While a camera is lost its turn is measured, and its place predicted; when it is found, the map is known as before.
+TEST(OdometryCovariance, LostInAMapOnlyThePlaceIsInDoubt) {
+  OdometryCovariance covariance;
+  MotionCovariance last;
+  for (int i = 0; i < 3; ++i) last = covariance.update(trackedAt(i, 1, 1), SE3(), SE3());
+  OdometryCovariance never_lost = covariance;
+  TrackedFrame turned = turnedAt(3);
+  turned.status = TrackingStatus::kLost;
+  turned.reference.map_id = 1;
+  const MotionCovariance at_once = covariance.update(turned, SE3(), SE3());
+  const Matrix6 grown = at_once.odom - last.odom;
+  const Eigen::Matrix3d turn = alignment().block(3, 3, 3, 3);
+  EXPECT_LT(Eigen::Matrix3d(grown.block(3, 3, 3, 3) - turn).norm(), 1e-12);
+  EXPECT_LT(grown.block(0, 0, 3, 3).norm(), 1e-6) << "the velocity was known, and did not change";
+  turned.frame = trackedAt(3 + 50, 1, 1).frame;
+  const Matrix6 later = covariance.update(turned, SE3(), SE3()).odom - last.odom;
+  const double unmeasured = kInterval * 51 - 0.15;  // [s]
+  EXPECT_NEAR(later(0, 0), 0.25 / 3.0 * unmeasured * unmeasured, 1e-6) << "gone on at 0.5 m/s, somewhere";
+  const MotionCovariance found = covariance.update(trackedAt(54, 1, 1), SE3(), SE3());
+  EXPECT_LT(relativeDifference(found.map, never_lost.update(trackedAt(54, 1, 1), SE3(), SE3()).map), 1e-12);
+}
+
 }  // namespace
 }  // namespace mba_vo

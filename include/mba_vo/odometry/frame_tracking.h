@@ -28,9 +28,9 @@ class FrameTracking {
   void begin(const ReferenceConstPtr& reference, const SE3& T_odom_hint);
   /// Goes on with another keyframe of the map. Returns T_new_old of the two references.
   SE3 changeReference(const ReferenceConstPtr& reference);
-  /// As changeReference, of a lost camera that the mapper has found where the hint says. Nothing has measured how it
-  /// came there: odometry goes on from where it was, and map -> odom takes the rest.
-  SE3 recover(const ReferenceConstPtr& reference);
+  /// As changeReference, of a lost camera that the mapper has found where the hint says. Odometry goes on from where it
+  /// was then, `T_odom_hint`, and map -> odom takes the rest.
+  SE3 recover(const ReferenceConstPtr& reference, const SE3& T_odom_hint);
   /// The same keyframe with a better image.
   void replaceImage(const ReferenceConstPtr& reference) { reference_ = reference; }
   /// There is no map any more.
@@ -42,20 +42,23 @@ class FrameTracking {
   /// As if nothing had ever been tracked.
   void reset();
 
-  /// Aligns the next frame and goes on from it, if it is not lost.
-  std::shared_ptr<TrackedFrame> track(const FrameConstPtr& given);
+  /// Aligns the next frame and goes on from it, if it is not lost. `turn`: since state(), if that is known.
+  std::shared_ptr<TrackedFrame> track(const FrameConstPtr& given, const std::optional<CameraTurn>& turn);
   /// Aligns a frame from what `newest` tells, which goes on from it, while state() stays. Null if it is lost.
   std::shared_ptr<TrackedFrame> trackAhead(const FrameConstPtr& given, TrackingState& newest);
 
   /// How fast the image moves, by the last frame: of points at the mean depth of the reference's [px/s].
   double imageSpeed() const;
+  /// At which the points of the reference lie, by the mean of their inverse depths [m]; 0 if they lie nowhere.
+  double meanDepth() const;
 
   /// Camera to odom at mid-exposure of the last frame with a pose; never rewritten.
   const SE3& T_odom_camera() const { return T_odom_camera_; }
-  /// Without a map the odometry may turn with the camera.
-  void turnTo(const SE3& T_odom_camera) { T_odom_camera_ = T_odom_camera; }
+  /// What is not aligned to a map may still be known.
+  void moveTo(const SE3& T_odom_camera) { T_odom_camera_ = T_odom_camera; }
   /// While lost: camera to odom if it goes on moving as it last did, which nothing measures. nullopt while not lost.
   std::optional<SE3> predicted_T_odom_camera(std::int64_t mid_exposure_ns) const;
+  SE3 T_reference_odom() const { return T_odom_reference_.inverse(); }
   /// odom to map by the reference: T_map_ref T_odom_ref^-1; the identity without one.
   SE3 T_map_odom() const;
 

@@ -47,7 +47,7 @@ struct TrackerStep {
   SE3 T_odom_camera;                            // at mid-exposure, of an image with a pose
   SE3 T_map_odom;
   MotionCovariance covariance;                 // of an image with a pose or an orientation
-  std::optional<SE3> predicted_T_odom_camera;  // of a lost image, as the camera last moved
+  std::optional<SE3> predicted_T_odom_camera;  // of an image that is not aligned to the map in use
 
   /// It says what became of an image that came in.
   bool endsImage() const { return kind == Kind::kImage || kind == Kind::kRepeated || kind == Kind::kRejected; }

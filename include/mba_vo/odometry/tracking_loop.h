@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "mba_vo/odometry/config.h"
+#include "mba_vo/odometry/dead_reckoning.h"
 #include "mba_vo/odometry/frame_tracking.h"
 #include "mba_vo/odometry/keyframe_scheduler.h"
-#include "mba_vo/odometry/orientation_tracking.h"
 #include "mba_vo/odometry/recent_frames.h"
 #include "mba_vo/odometry/tracking_phase.h"
 #include "mba_vo/odometry/waiting_frames.h"
@@ -24,8 +24,8 @@ class TrackingLoop {
 
   TrackingPhase phase() const { return phase_; }
 
-  /// Every frame gives exactly one result; never null. Without time to spare the orientation is not tracked while there
-  /// is no map. `frozen`: the image has been the same for long, and the camera may be anywhere.
+  /// Every frame gives exactly one result; never null. Without time to spare, what cannot be aligned to the map has no
+  /// orientation. `frozen`: the image has been the same for long, and the camera may be anywhere.
   TrackedFrameConstPtr process(const FrameConstPtr& frame, bool has_time = true, bool frozen = false);
   /// Takes a newer snapshot; the prior is re-expressed through the poses that came with it. False if it is of no use.
   /// With another keyframe, frames that were lost, or saw the older one badly, and came after the new one's image, wait
@@ -46,8 +46,8 @@ class TrackingLoop {
   /// Forgets the reference and the prior.
   void reset();
 
-  /// Camera to odom at mid-exposure of the last tracked frame; continuous across references and maps, never rewritten.
-  /// Before there is a map, and between maps, it turns with the camera and stays where it is.
+  /// Camera to odom at mid-exposure of the last frame with a pose or an orientation; continuous across references and
+  /// maps, never rewritten.
   const SE3& T_odom_camera() const { return frames_.T_odom_camera(); }
   /// While lost: camera to odom if it goes on moving as it last did, which nothing measures. nullopt while not lost.
   std::optional<SE3> predicted_T_odom_camera(std::int64_t mid_exposure_ns) const {
@@ -64,18 +64,19 @@ class TrackingLoop {
   bool beginMap(const ReferenceConstPtr& reference);
   void changeKeyframe(const ReferenceConstPtr& reference, bool may_go_back);
   TrackedFrameConstPtr wait(const FrameConstPtr& frame, bool has_time);
-  void trackOrientation(TrackedFrame& result);
+  void reckon(bool measured, TrackedFrame& result);
   TrackedFrameConstPtr trackAhead(const FrameConstPtr& frame);
   void leaveRevisions();
   void interpolate(const ExposureTrajectory& before, std::int64_t before_ns, const TrackedFrame& after);
+  std::shared_ptr<TrackedFrame> trackNow(const WaitingFrame& next, bool has_time);
   std::shared_ptr<TrackedFrame> track(const WaitingFrame& next);
   void change(PhaseEvent event) { phase_ = nextPhase(phase_, event); }
 
   TrackingPhase phase_ = TrackingPhase::kNoMap;
   FrameTracking frames_;
-  OrientationTracking orientation_;  // while there is no map
   KeyframeScheduler scheduler_;
-  double longest_wait_;  // [s]
+  double longest_wait_;      // [s]
+  DeadReckoning reckoning_;  // since the newest frame that was tracked
   WaitingFrames waiting_;
   std::vector<FrameConstPtr> left_out_;             // after the last tracked frame
   std::vector<TrackedFrameConstPtr> interpolated_;  // not taken yet
@@ -83,7 +84,6 @@ class TrackingLoop {
   TrackingState newest_;                            // while revising: by first results
   double worst_need_ = 0.0;                         // of the frames being revised, when they were tracked before
   std::string no_map_reason_;
-  std::optional<SE3> T_odom_first_;  // of the first frame without a map
 };
 
 }  // namespace mba_vo

@@ -1,11 +1,18 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "mba_vo/tracking/motion_state.h"
 #include "mba_vo/tracking/tracker.h"
 
 namespace mba_vo {
+
+/// A rotation of the camera that was measured without the map.
+struct CameraTurn {
+  Eigen::Quaterniond R_from_to = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // at the end of it, camera frame [rad/s]
+};
 
 /// What the last tracked frame tells about the next one: motion and brightness.
 class TrackingState {
@@ -18,7 +25,9 @@ class TrackingState {
 
   /// The brightness is expected to be that of the last image, unless the contrast has clearly changed: then a change of
   /// exposure has to be followed.
-  TrackingGuess guessFor(const Frame& frame, double unknown_exposure) const;
+  /// `turn`: since the last tracked frame, if it is known.
+  TrackingGuess guessFor(const Frame& frame, double unknown_exposure,
+                         const std::optional<CameraTurn>& turn = std::nullopt) const;
   void update(const TrackedFrame& tracked);
   /// Goes on relative to another reference.
   void changeReference(const SE3& T_new_old) { motion_.changeReference(T_new_old); }

@@ -4,7 +4,6 @@
 #include <deque>
 #include <vector>
 
-#include "mba_vo/geometry/se3.h"
 #include "mba_vo/odometry/recent_frames.h"
 
 namespace mba_vo {
@@ -14,7 +13,6 @@ struct WaitingFrame {
   bool in_time = false;   // its first result came when the frame did
   bool mapped = false;    // the mapper has used it
   bool revision = false;  // it has been tracked before
-  SE3 T_odom_camera;      // by its orientation, if it came before there was a map
 };
 
 /// Frames that are to be tracked when there is a reference for them, by time. Those that are to be tracked once more
@@ -29,8 +27,6 @@ class WaitingFrames {
   double seconds() const;  // from the first to the last
   /// True if there are any and all of them have been tracked before.
   bool areRevisions() const { return !frames_.empty() && frames_.back().revision; }
-  /// Where the camera was at that frame; `otherwise` if it is not among them.
-  const SE3& T_odom_cameraAt(std::uint64_t sequence, const SE3& otherwise) const;
 
   void add(const WaitingFrame& frame) { frames_.push_back(frame); }
   /// Frames that came before those that wait.

@@ -36,7 +36,7 @@ struct TrackedFrame {
   FrameConstPtr frame;
   TrackingStatus status = TrackingStatus::kInitializing;
   std::string reason;                      // empty while kTracking
-  ReferenceId reference;                   // what it was aligned to; meaningful when tracked()
+  ReferenceId reference;                   // what it was aligned to, or would be: of the map in use
   ExposureTrajectory trajectory;           // relative to the reference
   AffineBrightness brightness;             // of this frame, same convention as Reference::brightness
   Matrix12 covariance = Matrix12::Zero();  // of (right increment of T_mid, xi)
@@ -50,15 +50,21 @@ struct TrackedFrame {
   bool keyframe_requested = false;
   bool provisional = false;  // it will be tracked again, against a keyframe that it sees better: not for the map yet
   bool blind = false;        // the image shows nothing new: black, saturated, covered, frozen
-  /// While INITIALIZING: rotation and angular velocity of `trajectory` are measured, relative to an earlier frame, and
-  /// so is the covariance of the mid pose; there is no position.
+  /// Without a pose: rotation and angular velocity of `trajectory` are measured all the same, relative to an earlier
+  /// frame, and so is the covariance of the mid pose; there is no position.
   bool orientation_only = false;
+  /// Not aligned to the map, whether it is LOST or has to wait: rotation and angular velocity of `trajectory` are
+  /// measured without it, and the position goes on from a moment ago. A pose to be published, as DEGRADED, and no
+  /// measurement for the map.
+  bool predicted = false;
   double tracking_ms = 0.0;
   ExposureEstimate exposure_estimate;  // with which it was tracked
   /// Where no exposure came with it: what is known by now of its own and of earlier ones; null = nothing.
   std::shared_ptr<const ExposureHistory> exposures;
 
   bool tracked() const { return status == TrackingStatus::kTracking || status == TrackingStatus::kDegraded; }
+  bool hasPose() const { return tracked() || predicted; }
+  TrackingStatus publishedStatus() const { return predicted ? TrackingStatus::kDegraded : status; }
 };
 
 using TrackedFrameConstPtr = std::shared_ptr<const TrackedFrame>;

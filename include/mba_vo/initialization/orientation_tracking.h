@@ -8,12 +8,14 @@
 
 namespace mba_vo {
 
-/// Rotation of the camera while there is no map: frames are aligned, blur and all, to one of their number as if all
+/// Rotation of the camera without a map: frames are aligned, blur and all, to one of their number as if all
 /// that is seen were infinitely far away. Where the camera only turns, that is as good as with depths.
 class OrientationTracking {
  public:
   explicit OrientationTracking(const TrackerConfig& config);
 
+  /// What comes is relative to this frame, which turned so [rad/s], in its own axes.
+  void begin(const FrameConstPtr& frame, const Eigen::Vector3d& angular_velocity);
   /// Aligns the next frame. True if its rotation was measured, or it is the first since reset().
   bool track(const FrameConstPtr& frame);
   /// What is known of the last frame: its rotation to the first one, and its angular velocity, measured or

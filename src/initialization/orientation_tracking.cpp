@@ -1,4 +1,4 @@
-#include "mba_vo/odometry/orientation_tracking.h"
+#include "mba_vo/initialization/orientation_tracking.h"
 
 #include <algorithm>
 #include <optional>
@@ -41,6 +41,15 @@ void OrientationTracking::reset() {
   covariance_ = kOrigin * Eigen::Matrix3d::Identity();
 }
 
+void OrientationTracking::begin(const FrameConstPtr& frame, const Eigen::Vector3d& angular_velocity) {
+  reset();
+  last_frame_ = frame;
+  ExposureTrajectory motion;
+  motion.velocity.tail<3>() = angular_velocity;
+  motion_ = MotionState(motion, frame->mid_exposure_ns);
+  changeReference(frame, {});
+}
+
 ExposureTrajectory OrientationTracking::last() const {
   ExposureTrajectory last = motion_.last();
   last.T_reference_mid = T_first_reference_ * last.T_reference_mid;
@@ -77,10 +86,7 @@ std::optional<MotionPrior> OrientationTracking::priorByFeatures(const FrameConst
 
 bool OrientationTracking::track(const FrameConstPtr& frame) {
   if (!reference_ || frame->mid_exposure_ns <= motion_.lastNs()) {
-    reset();
-    last_frame_ = frame;
-    motion_ = MotionState(ExposureTrajectory(), frame->mid_exposure_ns);
-    changeReference(frame, {});
+    begin(frame, Eigen::Vector3d::Zero());
     return true;
   }
   const double exposure = frame->exposure.value_or(config_.unknown_exposure);
@@ -94,6 +100,8 @@ bool OrientationTracking::track(const FrameConstPtr& frame) {
   }
   last_frame_ = frame;
   if (!tracked.tracked()) {
+    // It may have stopped: a turn that nothing measures goes on no further.
+    guess.trajectory.velocity.setZero();
     motion_ = MotionState(guess.trajectory, frame->mid_exposure_ns);
     changeReference(frame, brightness_);
     return false;

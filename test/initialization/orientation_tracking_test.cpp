@@ -1,4 +1,4 @@
-#include "mba_vo/odometry/orientation_tracking.h"
+#include "mba_vo/initialization/orientation_tracking.h"
 
 #include <cmath>
 
