@@ -77,6 +77,17 @@ add_test(NAME mba_vo_rostest_install_space COMMAND ${PYTHON_EXECUTABLE} ${MBA_VO
 set_tests_properties(mba_vo_rostest_install_space PROPERTIES FAIL_REGULAR_EXPRESSION "has died|Failed to load"
   TIMEOUT 320 FIXTURES_REQUIRED installed_package ENVIRONMENT "${installed_environment}")
 
+# The package in a catkin workspace, of the objects that were built here.
+find_program(MBA_VO_CATKIN_MAKE catkin_make)
+if(MBA_VO_CATKIN_MAKE AND NOT MBA_VO_SANITIZE AND NOT MBA_VO_VECTORS)
+  add_test(NAME catkin_workspace COMMAND ${CMAKE_COMMAND} -DBUILD_DIR=${CMAKE_CURRENT_BINARY_DIR}
+    -DSOURCE_DIR=${CMAKE_CURRENT_SOURCE_DIR} -DWORK_DIR=${CMAKE_CURRENT_BINARY_DIR}/.workspace_test
+    -DCATKIN_MAKE=${MBA_VO_CATKIN_MAKE} -DBUILD_TYPE=${CMAKE_BUILD_TYPE}
+    -P ${CMAKE_CURRENT_SOURCE_DIR}/test/package/workspace_test.cmake)
+  set_tests_properties(catkin_workspace PROPERTIES TIMEOUT 900 ENVIRONMENT
+    "PATH=/usr/bin:$ENV{PATH};ROS_IP=127.0.0.1;ROS_HOME=${CMAKE_CURRENT_BINARY_DIR}/ros_home")
+endif()
+
 find_program(MBA_VO_CATKIN_LINT catkin_lint)
 if(MBA_VO_CATKIN_LINT)
   add_test(NAME catkin_lint COMMAND ${MBA_VO_CATKIN_LINT} -W1 --strict --offline --quiet ${CMAKE_CURRENT_SOURCE_DIR})
