@@ -1,8 +1,9 @@
 # Tests of the ROS side. Plain ones need no master; the others are run by rostest, which starts its own.
 
 file(GLOB ros_unit_tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/*_test.cpp)
-mba_vo_test(mba_vo_ros_test SOURCES ${ros_unit_tests} DEPENDS mba_vo_ros)
+mba_vo_test(mba_vo_ros_test SOURCES ${ros_unit_tests} src/nodelets/tracker_console.cpp DEPENDS mba_vo_ros)
 mba_vo_ros_target(mba_vo_ros_test)
+target_include_directories(mba_vo_ros_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src/nodelets)
 
 add_test(NAME mba_vo_exposure_relay
   COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/exposure_relay_test.py)
@@ -53,6 +54,9 @@ mba_vo_rostest(views TIMEOUT 320 SOURCES ${ros_test_folder}/demo_sequence.cpp ${
   DEPENDS mba_vo_evaluation ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
 set_tests_properties(mba_vo_rostest_deblurring mba_vo_rostest_lifecycle mba_vo_rostest_views PROPERTIES
   DEPENDS mba_vo_rostest_play_bag)  # which makes the bag
+
+add_test(NAME mba_vo_rostest_relay_presets COMMAND ${PYTHON_EXECUTABLE} ${MBA_VO_ROSTEST} ${ros_test_folder}/relay_presets.test)
+set_tests_properties(mba_vo_rostest_relay_presets PROPERTIES TIMEOUT 320 ENVIRONMENT "${ros_test_environment}")
 
 add_test(NAME bad_bags COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/bad_bags_test.py
   ${CMAKE_CURRENT_SOURCE_DIR}/tools/ros/play_bag)
