@@ -12,7 +12,7 @@ endif()
 
 set(MBA_VO_MESSAGE_PACKAGES geometry_msgs std_msgs)
 find_package(catkin REQUIRED COMPONENTS camera_info_manager cv_bridge diagnostic_updater geometry_msgs image_transport
-  message_generation nav_msgs nodelet pluginlib rosbag rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_ros
+  message_generation nav_msgs nodelet pluginlib rosbag rosbag_storage roscpp roslib sensor_msgs std_msgs std_srvs tf2_ros
   visualization_msgs)
 
 add_message_files(FILES ExposureMotion.msg ExposureStamped.msg MapperStatus.msg ReferenceSummary.msg Status.msg

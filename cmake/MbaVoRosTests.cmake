@@ -1,8 +1,9 @@
 # Tests of the ROS side. Plain ones need no master; the others are run by rostest, which starts its own.
 
 file(GLOB ros_unit_tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/*_test.cpp)
-mba_vo_test(mba_vo_ros_test SOURCES ${ros_unit_tests} DEPENDS mba_vo_ros)
+mba_vo_test(mba_vo_ros_test SOURCES ${ros_unit_tests} src/nodelets/tracker_console.cpp DEPENDS mba_vo_ros)
 mba_vo_ros_target(mba_vo_ros_test)
+target_include_directories(mba_vo_ros_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src/nodelets)
 
 add_test(NAME mba_vo_exposure_relay
   COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/exposure_relay_test.py)
@@ -54,6 +55,9 @@ mba_vo_rostest(views TIMEOUT 320 SOURCES ${ros_test_folder}/demo_sequence.cpp ${
 set_tests_properties(mba_vo_rostest_deblurring mba_vo_rostest_lifecycle mba_vo_rostest_views PROPERTIES
   DEPENDS mba_vo_rostest_play_bag)  # which makes the bag
 
+add_test(NAME mba_vo_rostest_relay_presets COMMAND ${PYTHON_EXECUTABLE} ${MBA_VO_ROSTEST} ${ros_test_folder}/relay_presets.test)
+set_tests_properties(mba_vo_rostest_relay_presets PROPERTIES TIMEOUT 320 ENVIRONMENT "${ros_test_environment}")
+
 add_test(NAME bad_bags COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/bad_bags_test.py
   ${CMAKE_CURRENT_SOURCE_DIR}/tools/ros/play_bag)
 set_tests_properties(bad_bags PROPERTIES TIMEOUT 300 ENVIRONMENT "${ros_test_environment}")
@@ -76,6 +80,17 @@ add_test(NAME mba_vo_rostest_install_space COMMAND ${PYTHON_EXECUTABLE} ${MBA_VO
 # If a required node dies all is shut down, and publishtest does not mind.
 set_tests_properties(mba_vo_rostest_install_space PROPERTIES FAIL_REGULAR_EXPRESSION "has died|Failed to load"
   TIMEOUT 320 FIXTURES_REQUIRED installed_package ENVIRONMENT "${installed_environment}")
+
+# The package in a catkin workspace, of the objects that were built here.
+find_program(MBA_VO_CATKIN_MAKE catkin_make)
+if(MBA_VO_CATKIN_MAKE AND NOT MBA_VO_SANITIZE AND NOT MBA_VO_VECTORS)
+  add_test(NAME catkin_workspace COMMAND ${CMAKE_COMMAND} -DBUILD_DIR=${CMAKE_CURRENT_BINARY_DIR}
+    -DSOURCE_DIR=${CMAKE_CURRENT_SOURCE_DIR} -DWORK_DIR=${CMAKE_CURRENT_BINARY_DIR}/.workspace_test
+    -DCATKIN_MAKE=${MBA_VO_CATKIN_MAKE} -DBUILD_TYPE=${CMAKE_BUILD_TYPE}
+    -P ${CMAKE_CURRENT_SOURCE_DIR}/test/package/workspace_test.cmake)
+  set_tests_properties(catkin_workspace PROPERTIES TIMEOUT 900 ENVIRONMENT
+    "PATH=/usr/bin:$ENV{PATH};ROS_IP=127.0.0.1;ROS_HOME=${CMAKE_CURRENT_BINARY_DIR}/ros_home")
+endif()
 
 find_program(MBA_VO_CATKIN_LINT catkin_lint)
 if(MBA_VO_CATKIN_LINT)

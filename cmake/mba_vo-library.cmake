@@ -8,4 +8,6 @@ find_dependency(TBB)
 find_dependency(yaml-cpp)
 find_dependency(CHOLMOD)
 list(REMOVE_AT CMAKE_MODULE_PATH 0)
-include(${mba_vo_DIR}/mba_voTargets.cmake)
+if(NOT TARGET mba_vo::io)  # as in a workspace that catkin_make builds in one go
+  include(${mba_vo_DIR}/mba_voTargets.cmake)
+endif()

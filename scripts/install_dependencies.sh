@@ -18,7 +18,7 @@ core=(
 ros=(
   # to build
   catkin libcamera-info-manager-dev libcv-bridge-dev libdiagnostic-updater-dev libimage-transport-dev libnav-msgs-dev
-  libnodeletlib-dev librosbag-dev libroscpp-dev librostest-dev libsensor-msgs-dev libstd-srvs-dev libtf2-ros-dev
+  libnodeletlib-dev librosbag-dev libroscpp-dev libroslib-dev librostest-dev libsensor-msgs-dev libstd-srvs-dev libtf2-ros-dev
   libvisualization-msgs-dev pluginlib-dev ros-geometry-msgs ros-message-generation ros-message-runtime ros-std-msgs
   # to run
   libnodeletlib-tools python3-diagnostic-msgs python3-genpy python3-geometry-msgs python3-nav-msgs python3-rosbag

@@ -23,8 +23,9 @@ std::unique_ptr<CameraSource> openPlayer(const CameraSettings& settings, const s
   if (device.format.width > 0 || device.format.height > 0 || device.format.pixel_format != "auto") {
     throw CameraError(device.path + ": pixel_format, width and height of a recording cannot be chosen");
   }
-  return std::make_unique<RecordingPlayer>(openRecording(device.path, device.format.rate, settings.images), clock,
-                                           settings.loop, device.color);
+  return std::make_unique<RecordingPlayer>(
+      openRecording(device.path, device.format.rate, settings.images, settings.camera), clock, settings.loop,
+      device.color);
 }
 
 }  // namespace

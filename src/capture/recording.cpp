@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mba_vo/capture/camera_source.h"
+#include "mba_vo/io/camera_file.h"
 #include "mba_vo/io/image_files.h"
 #include "mba_vo/io/sequence.h"
 #include "video_file.h"
@@ -70,7 +71,10 @@ class ImageFolder : public Recording {
 
 class SequencePlayer : public Recording {
  public:
-  SequencePlayer(const std::string& folder, const std::string& images) : folder_(folder), images_(images) { open(); }
+  SequencePlayer(const std::string& folder, const std::string& images, const std::string& camera)
+      : folder_(folder), images_(images), camera_(camera) {
+    open();
+  }
 
   std::optional<RecordedImage> next() override {
     const std::optional<CameraImage> image = reader_->next();
@@ -82,12 +86,12 @@ class SequencePlayer : public Recording {
   std::string description() const override {
     return folder_ + ": sequence of " + std::to_string(reader_->size()) + " images, times and exposures of times.txt";
   }
-  std::string calibrationFile() const override { return (fs::absolute(folder_) / "camera.yaml").string(); }
+  std::string calibrationFile() const override { return cameraFileIn(fs::absolute(folder_).string()); }
 
  private:
   void open() {
     try {
-      reader_ = openSequenceFolder(folder_, images_);
+      reader_ = openSequenceFolder(folder_, images_, {}, "", camera_);
     } catch (const std::runtime_error& error) {
       throw CameraError(error.what());
     }
@@ -95,12 +99,14 @@ class SequencePlayer : public Recording {
 
   std::string folder_;
   std::string images_;
+  std::string camera_;
   std::unique_ptr<SequenceReader> reader_;
 };
 
 }  // namespace
 
-std::unique_ptr<Recording> openRecording(const std::string& path, double rate, const std::string& images_subfolder) {
+std::unique_ptr<Recording> openRecording(const std::string& path, double rate, const std::string& images_subfolder,
+                                         const std::string& camera) {
   if (!fs::exists(path)) throw CameraError(path + ": no such device, file or folder");
   if (!fs::is_directory(path)) return openVideoFile(path, rate);
   if (!fs::exists(fs::path(path) / "times.txt")) return std::make_unique<ImageFolder>(path, rate);
@@ -110,7 +116,7 @@ std::unique_ptr<Recording> openRecording(const std::string& path, double rate, c
          << " Hz; the images of a sequence folder come at the times of its times.txt (rate 0)";
     throw CameraError(text.str());
   }
-  return std::make_unique<SequencePlayer>(path, images_subfolder);
+  return std::make_unique<SequencePlayer>(path, images_subfolder, camera);
 }
 
 }  // namespace mba_vo

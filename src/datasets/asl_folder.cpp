@@ -105,8 +105,10 @@ Dataset openAslFolder(const AslFolders& folders, const DatasetOptions& options) 
   list.images = readImages(folders.camera);
   const fs::path file = options.calibration_file.empty() ? aslCameraFile(folders) : fs::path(options.calibration_file);
   // A file of the rig has the camera under the name of its folder, but one of a single camera may call it anything.
-  const std::string name = options.camera.empty() ? folders.camera.filename().string() : options.camera;
-  list.calibration = readCameraFile(file.string(), name).calibration;
+  const std::string own_name = folders.camera.filename().string();
+  const bool of_another = !options.camera.empty() && options.camera != own_name;  // it chooses from the file alone
+  list.calibration = of_another ? readChosenCamera(file.string(), options.camera).calibration
+                                : readCameraFile(file.string(), own_name).calibration;
   list.calibration_name = file.filename().string();
   const fs::path dso = dsoFolder(folders);
   dataset.form = fs::is_directory(dso) ? "TUM-VI" : "EuRoC (ASL)";

@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 Dataset openOwnFolder(const fs::path& folder, const DatasetOptions& options) {
   Dataset dataset;
   dataset.form = "sequence folder";
-  dataset.reader = openSequenceFolder(folder.string(), options.images, options.depth, options.calibration_file);
+  dataset.reader =
+      openSequenceFolder(folder.string(), options.images, options.depth, options.calibration_file, options.camera);
   if (fs::path(cameraFileIn(folder.string())).filename() != "camera.txt") return dataset;
   dataset.form = "TUM-mono";
   if (fs::exists(folder / "pcalib.txt")) dataset.response_file = (folder / "pcalib.txt").string();
@@ -50,6 +51,12 @@ void refuseImages(const DatasetOptions& options, const std::string& form) {
 void refuseDepth(const DatasetOptions& options, const std::string& form, const std::string& reason) {
   if (options.depth.subfolder.empty()) return;
   throw std::runtime_error("--depth " + options.depth.subfolder + ": " + form + " " + reason);
+}
+
+void refuseCamera(const DatasetOptions& options, const std::string& form) {
+  if (options.camera.empty()) return;
+  throw std::runtime_error("--camera " + options.camera + ": " + form +
+                           " has one camera; it can only choose from a --calibration of several, which is not told");
 }
 
 cv::Size sizeOfFirst(const std::vector<ListedImage>& images) {

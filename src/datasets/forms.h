@@ -39,6 +39,7 @@ Dataset openSevenScenesFolder(const std::filesystem::path& folder, const Dataset
 /// Throws std::runtime_error unless the options are such as this form has.
 void refuseImages(const DatasetOptions& options, const std::string& form);
 void refuseDepth(const DatasetOptions& options, const std::string& form, const std::string& reason);
+void refuseCamera(const DatasetOptions& options, const std::string& form);
 
 /// Size of the first image that can be read. Throws std::runtime_error naming the first if there is none.
 cv::Size sizeOfFirst(const std::vector<ListedImage>& images);

@@ -96,9 +96,10 @@ void calibrate(const fs::path& folder, const DatasetOptions& options, Dataset& d
   const auto file = calibrationFile(folder, options);
   const auto kinect = kinectOf(folder);
   if (file) {
-    list.calibration = readCameraFile(file->string(), options.camera, sizeOfFirst(list.images)).calibration;
+    list.calibration = readChosenCamera(file->string(), options.camera, sizeOfFirst(list.images)).calibration;
     list.calibration_name = file->filename().string();
   } else if (kinect) {
+    refuseCamera(options, "TUM RGB-D");
     list.calibration = kinect->calibration;
     list.calibration_name = std::string("that of TUM's ") + kinect->names[0];
     dataset.notes.push_back("calibration as published for " + std::string(kinect->names[0]));

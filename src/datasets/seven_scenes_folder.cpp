@@ -47,13 +47,14 @@ Dataset openSevenScenesFolder(const fs::path& folder, const DatasetOptions& opti
   const fs::path file =
       !options.calibration_file.empty() || !fs::exists(own) ? fs::path(options.calibration_file) : own;
   if (file.empty()) {
+    refuseCamera(options, dataset.form);
     list.calibration = kKinectDefault;
     list.calibration_name = "the default of a Kinect";
     dataset.notes.emplace_back(
         "no calibration is published: 525 px and the middle of the image are assumed, wrong by some per cent; "
         "--calibration if you have one");
   } else {
-    list.calibration = readCameraFile(file.string(), options.camera, sizeOfFirst(list.images)).calibration;
+    list.calibration = readChosenCamera(file.string(), options.camera, sizeOfFirst(list.images)).calibration;
     list.calibration_name = file.filename().string();
   }
   dataset.notes.emplace_back(

@@ -58,6 +58,7 @@ class FolderInspection {
     CameraSource source;
     source.name = (folder_ / subfolder_).string();
     source.images_subfolder = subfolder_;
+    source.camera = options_.camera;
     source.calibration_file = options_.calibration_file;
     report_.cameras.push_back(reportOn(camera_, std::move(source)));
     return report_;
@@ -93,7 +94,7 @@ class FolderInspection {
       return;
     }
     try {
-      camera_.setCalibration(readCameraFile(file).calibration);
+      camera_.setCalibration(readChosenCamera(file, options_.camera).calibration);
     } catch (const std::runtime_error& error) {
       say(Check::kBadCameraInfo, error.what());
     }

@@ -57,6 +57,13 @@ CameraFile readCameraFile(const std::string& file, const std::string& camera, cv
   return readCameraText(text, file, image_size);
 }
 
+CameraFile readChosenCamera(const std::string& file, const std::string& camera, cv::Size image_size) {
+  CameraFile result = readCameraFile(file, camera, image_size);
+  if (camera.empty() || result.has_names) return result;
+  throw std::runtime_error(file + ": there is no camera '" + camera + "' to choose, for it (" + result.form +
+                           ") is of one camera without a name: leave the name out, or name a calibration that has it");
+}
+
 std::string cameraFileIn(const std::string& folder) {
   constexpr std::array<const char*, 5> kNames{"camera.yaml", "camera.ini", "camera.txt", "camchain.yaml",
                                               "sensor.yaml"};

@@ -58,6 +58,7 @@ CameraFile readCameraIni(const std::string& text, const std::string& file) {
   const std::vector<Heading> all = headings(text, file);
   CameraFile result;
   result.form = "ROS camera_info (INI)";
+  result.of_ros = true;
   CameraCalibration& c = result.calibration;
   c.width = sideBelow(all, "width", file);
   c.height = sideBelow(all, "height", file);

@@ -14,6 +14,7 @@ namespace {
 CameraFile readRos(const YamlFields& root, const std::string& file) {
   CameraFile result;
   result.form = "ROS camera_info";
+  result.of_ros = true;
   CameraCalibration& c = result.calibration;
   c.width = root.whole("image_width");
   c.height = root.whole("image_height");
@@ -109,7 +110,11 @@ CameraFile readCameraYaml(const YamlFields& root, const std::string& file, const
       cameras.push_back(key);
     }
   }
-  if (!cameras.empty()) return readRig(root.map(chooseCamera(cameras, camera, file)), file);
+  if (!cameras.empty()) {
+    CameraFile result = readRig(root.map(chooseCamera(cameras, camera, file)), file);
+    result.has_names = true;
+    return result;
+  }
   if (root.has("intrinsics")) return readRig(root, file);
   if (root.has("image_width") || root.has("camera_matrix")) return readRos(root, file);
   throw std::runtime_error(

@@ -65,13 +65,15 @@ void findDepths(const fs::path& folder, const std::vector<ImageTime>& times, Ima
 }  // namespace
 
 std::unique_ptr<SequenceReader> openSequenceFolder(const std::string& folder, const std::string& images_subfolder,
-                                                   const DepthFolder& depth, const std::string& camera_file) {
+                                                   const DepthFolder& depth, const std::string& camera_file,
+                                                   const std::string& camera) {
   const fs::path path(folder);
   const fs::path images_folder = path / images_subfolder;
   requireFolder(path);
   requireFolder(images_folder);
-  const fs::path camera = camera_file.empty() ? cameraFileIn(folder) : camera_file;
-  ImageList list{readCameraFile(camera.string()).calibration, camera.filename().string(), {}, depth.units_per_metre};
+  const fs::path file = camera_file.empty() ? cameraFileIn(folder) : camera_file;
+  ImageList list{
+      readChosenCamera(file.string(), camera).calibration, file.filename().string(), {}, depth.units_per_metre};
   const std::vector<ImageTime> times = readTimesFile((path / "times.txt").string());
   const std::map<std::uint64_t, fs::path> images = imagesById(images_folder);
   for (const ImageTime& time : times) {

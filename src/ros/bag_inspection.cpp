@@ -91,7 +91,7 @@ class BagCamera {
 
   void readCalibrationFile() {
     try {
-      camera_.setCalibration(readCameraFile(source_.calibration_file, source_.camera).calibration);
+      camera_.setCalibration(readChosenCamera(source_.calibration_file, source_.camera).calibration);
     } catch (const std::runtime_error& error) {
       say(Check::kBadCameraInfo, error.what());
     }

@@ -1,9 +1,13 @@
 #include "mba_vo/ros/calibration_keeper.h"
 
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 #include <stdexcept>
 
+#include <ros/package.h>
+
+#include "mba_vo/io/camera_file.h"
 #include "mba_vo/ros/camera_info.h"
 
 namespace mba_vo {
@@ -16,19 +20,49 @@ std::string asUrl(const std::string& url) {
   return url.front() == '/' ? "file://" + url : url;
 }
 
+[[noreturn]] void refuseUrl(const std::string& url) {
+  throw std::invalid_argument("camera_info_url is '" + url +
+                              "'; allowed: an absolute path, file:///... or package://...");
+}
+
+/// Of an URL without variables.
+std::string fileOf(const std::string& url) {
+  const std::string file = "file://", package = "package://";
+  if (url.rfind(file + "/", 0) == 0) return url.substr(file.size());
+  const std::size_t slash = url.find('/', package.size());
+  if (url.rfind(package, 0) != 0 || slash == std::string::npos) refuseUrl(url);
+  const std::string name = url.substr(package.size(), slash - package.size());
+  const std::string folder = ros::package::getPath(name);
+  if (folder.empty())
+    throw std::invalid_argument("camera_info_url is '" + url + "': there is no package '" + name + "'");
+  return folder + url.substr(slash);
+}
+
 }  // namespace
 
 CalibrationKeeper::CalibrationKeeper(const ros::NodeHandle& nh, const std::string& camera_name, const std::string& url,
-                                     double field_of_view)
+                                     double field_of_view, const std::string& camera)
     : manager_(nh, camera_name), field_of_view_(field_of_view) {
   const bool good_name = manager_.setCameraName(camera_name);
   if (!good_name) throw std::invalid_argument("camera_name is '" + camera_name + "'; allowed: letters, digits and _");
-  if (!manager_.validateURL(asUrl(url))) {
-    throw std::invalid_argument("camera_info_url is '" + url +
-                                "'; allowed: an absolute path, file://... or package://...");
+  if (!manager_.validateURL(asUrl(url))) refuseUrl(url);
+  place_ = fileOf(manager_.resolveURL(asUrl(url), camera_name));
+  read(asUrl(url), camera);
+}
+
+/// Files that are not of ROS are never written to: what set_camera_info brings goes to camera_info_manager's own place.
+void CalibrationKeeper::read(const std::string& url, const std::string& camera) {
+  if (!std::filesystem::exists(place_)) {
+    if (!camera.empty()) {
+      throw std::runtime_error(place_ + ": there is no such calibration, from which camera '" + camera +
+                               "' could be chosen");
+    }
+    manager_.loadCameraInfo(url);
+    return;
   }
-  manager_.loadCameraInfo(asUrl(url));
-  place_ = manager_.resolveURL(asUrl(url), camera_name);
+  const CameraFile file = readChosenCamera(place_, camera);
+  if (file.of_ros) manager_.loadCameraInfo(url);  // it reads the projection of rectified images, too
+  if (!file.of_ros || !manager_.isCalibrated()) manager_.setCameraInfo(cameraInfoFromCalibration(file.calibration));
 }
 
 sensor_msgs::CameraInfo CalibrationKeeper::infoFor(const cv::Size& size) {

@@ -14,6 +14,7 @@ CameraConfig parseCameraConfig(const YAML::Node& parameters) {
   readConfig(own, config);
   config.stampReference();
   config.camera.device.exposure.seconds = parseExposure("exposure", config.exposure);
+  if (config.camera_info_url.empty()) config.camera.camera = config.calibration_camera;  // the recording's own
   return config;
 }
 

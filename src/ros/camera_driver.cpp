@@ -18,7 +18,8 @@ CameraDriver::CameraDriver(const ros::NodeHandle& nh, const CameraConfig& config
                            const std::shared_ptr<DeviceCalls>& calls)
     : nh_(nh), config_(config), camera_(openCamera(config.camera, calls, systemClock())) {
   const std::string own = config.camera_info_url.empty() ? camera_->calibrationFile() : config.camera_info_url;
-  calibration_ = std::make_unique<CalibrationKeeper>(nh, config.camera_name, own, config.field_of_view);
+  calibration_ =
+      std::make_unique<CalibrationKeeper>(nh, config.camera_name, own, config.field_of_view, config.calibration_camera);
   image_transport::ImageTransport transport(nh_);
   exposure_publisher_ = nh_.advertise<ExposureStamped>("exposure", kQueue);
   info_publisher_ = nh_.advertise<sensor_msgs::CameraInfo>("camera_info", kQueue);

@@ -141,6 +141,11 @@ TEST_F(RecordingTest, ASequenceFolderBringsTimesExposuresAndCalibration) {
   EXPECT_EQ(images_[0].exposure, 0.02);
   EXPECT_FALSE(images_[1].exposure.has_value());
   EXPECT_EQ(came_[0] - images_[0].mid_exposure_ns, 10'000'000);  // not before the exposure is over
+  settings_.camera = "cam1";
+  EXPECT_THAT(errorOnOpen(""), HasSubstr("no camera 'cam1' to choose"));
+  std::filesystem::remove(folder_.file("camera.yaml"));
+  folder_.write("camchain.yaml", "cam1:\n  intrinsics: [50, 50, 31.5, 23.5]\n  resolution: [64, 48]\n");
+  EXPECT_EQ(open("")->calibrationFile(), folder_.file("camchain.yaml"));
   settings_.device.format.rate = 10.0;
   EXPECT_THAT(errorOnOpen(""), HasSubstr("rate is 10 Hz"));
   settings_.device.format.rate = 0.0;

@@ -185,6 +185,31 @@ TEST(Dataset, AnotherCameraOfTheRigCanBeChosen) {
   EXPECT_EQ(openDataset(folder.file("vi/mav0/cam1")).reader->calibration().fx, 200.0);
 }
 
+TEST(Dataset, ACameraThatIsNamedIsChosenFromTheCalibrationOrRefused) {
+  const TemporaryFolder folder;
+  const std::string rig =
+      "cam0:\n  intrinsics: [200, 201, 640, 512]\n  resolution: [1280, 1024]\n"
+      "cam1:\n  intrinsics: [300, 301, 640, 512]\n  resolution: [1280, 1024]\n";
+  DatasetOptions options;
+  options.camera = "cam1";
+  writeTumMono(folder, "mono");
+  const auto error = [&](const char* name) { return messageOf([&] { openDataset(folder.file(name), options); }); };
+  EXPECT_THAT(error("mono"), HasSubstr("camera.txt: there is no camera 'cam1' to choose"));
+  fs::remove(folder.file("mono/camera.txt"));
+  folder.write("mono/camchain.yaml", rig);
+  EXPECT_EQ(openDataset(folder.file("mono"), options).reader->calibration().fx, 300.0);
+  writeTumRgbd(folder, "fr1");
+  writeSevenScenes(folder, "seq-01");
+  writeEuroc(folder, "euroc");
+  EXPECT_THAT(error("fr1"), HasSubstr("--camera cam1: TUM RGB-D has one camera"));
+  EXPECT_THAT(error("seq-01"), HasSubstr("--camera cam1: 7-Scenes has one camera"));
+  EXPECT_THAT(error("euroc/mav0/cam0"), HasSubstr("sensor.yaml: there is no camera 'cam1' to choose"));
+  options.calibration_file = folder.write("rig.yaml", rig);
+  for (const char* name : {"mono", "fr1", "seq-01", "euroc/mav0/cam0"}) {
+    EXPECT_EQ(openDataset(folder.file(name), options).reader->calibration().fx, 300.0) << name;
+  }
+}
+
 TEST(Dataset, OptionsThatAFormHasNotAreRefused) {
   const TemporaryFolder folder;
   writeEuroc(folder, "euroc");

@@ -139,6 +139,23 @@ class Docs(unittest.TestCase):
                  if option not in self.options | foreign and '"%s"' % option[2:].replace("-", "_") not in self.text]
         self.check(wrong)
 
+    def test_launch_files_take_the_arguments_that_are_told(self):
+        wrong, seen = [], 0
+        for page in PAGES:
+            for name, told in re.findall(r"roslaunch mba_vo (\w+)\.launch((?:\\\n|[^\n`])*)", text_of(page)):
+                taken = re.findall(r'<arg name="(\w+)"', text_of(ROOT / "launch" / (name + ".launch")))
+                told = re.findall(r"(?<!\S)(\w+):=", told.split("#")[0])
+                seen += len(told)
+                wrong += ["%s: %s.launch %s:=" % (page.relative_to(ROOT), name, arg) for arg in told if arg not in taken]
+        self.check(wrong)
+        self.assertGreater(seen, 20)
+
+    def test_programs_that_are_told_exist(self):
+        tools = {path.stem for folder in ("tools", "tools/ros") for path in (ROOT / folder).iterdir() if path.is_file()}
+        told = {(page, name) for page in PAGES for name in re.findall(r"rosrun mba_vo ([a-z]\w+)", text_of(page))}
+        self.check(["%s: rosrun mba_vo %s" % (page.relative_to(ROOT), name) for page, name in told if name not in tools])
+        self.assertGreater(len(told), 10)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -99,6 +99,24 @@ TEST_F(FolderInspectionTest, DoesNotStopAtTheFirstThingThatIsWrong) {
   EXPECT_EQ(inspect(), "no-camera-info bad-times image-damaged no-exposure 1");
 }
 
+TEST_F(FolderInspectionTest, ACameraThatIsNamedIsChosenOrRefused) {
+  DatasetOptions options;
+  options.camera = "cam1";
+  const auto look = [&] { return inspectFolder(folder(), options, [](std::size_t, std::size_t) {}); };
+  const InspectionReport refused = look();
+  ASSERT_FALSE(refused.cameras.front().findings.empty() && refused.findings.empty());
+  std::ostringstream text;
+  print(refused, text);
+  EXPECT_NE(text.str().find("camera.yaml: there is no camera 'cam1' to choose"), std::string::npos) << text.str();
+  std::filesystem::remove(path("camera.yaml"));
+  std::ofstream(path("camchain.yaml")) << "cam1:\n  intrinsics: [160, 160, 79.5, 59.5]\n  resolution: [160, 120]\n";
+  const InspectionReport chosen = look();
+  EXPECT_EQ(chosen.cameras.front().facts.calibration->fx, 160.0);
+  std::ostringstream commands;
+  print(chosen, commands);
+  EXPECT_NE(commands.str().find(" --camera cam1"), std::string::npos) << commands.str();
+}
+
 TEST_F(FolderInspectionTest, WithoutImagesThereIsNothingToLookAt) {
   std::filesystem::remove_all(path("images"));
   EXPECT_EQ(inspect(), "no-images 2");

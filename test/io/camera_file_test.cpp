@@ -152,6 +152,20 @@ TEST_F(CameraFileTest, OfEth3dNeedsTheSizeOfTheImages) {
   EXPECT_THAT(error("726.28741 726.28741 354.64965 186.46566\n"), HasSubstr("file:1: fx fy cx cy without the size"));
 }
 
+TEST_F(CameraFileTest, ANamedCameraIsTakenOrRefused) {
+  const auto chosen = [&](const std::string& text, const std::string& camera) {
+    return readChosenCamera(folder_.write("file", text), camera).calibration;
+  };
+  EXPECT_EQ(chosen(kKalibr, "cam1").fx, 290.5);
+  EXPECT_EQ(chosen(kKalibr, "").fx, 190.97);
+  EXPECT_EQ(chosen(kRos, "").fx, 461.5);
+  EXPECT_THAT(messageOf([&] { chosen(kKalibr, "cam2"); }), HasSubstr("has no camera 'cam2', but cam0, cam1"));
+  for (const std::string& one : {kRos, kIni, kAsl, kFov}) {
+    EXPECT_THAT(messageOf([&] { chosen(one, "cam1"); }),
+                AllOf(HasSubstr("file: there is no camera 'cam1' to choose"), HasSubstr("of one camera")));
+  }
+}
+
 TEST_F(CameraFileTest, TheFirstOfTheKnownNamesIsTaken) {
   EXPECT_EQ(cameraFileIn(folder_.file("")), folder_.file("camera.yaml"));
   folder_.write("camchain.yaml", "");

@@ -29,6 +29,13 @@ TEST(CameraConfig, ParametersBecomeSettings) {
   EXPECT_FALSE(parse("{}").camera.device.exposure.seconds.has_value());
 }
 
+TEST(CameraConfig, ACameraIsChosenFromTheCalibrationThatIsNamedElseFromTheRecordings) {
+  EXPECT_EQ(parse("{calibration_camera: cam1}").camera.camera, "cam1");
+  const CameraConfig named = parse("{calibration_camera: cam1, camera_info_url: /rig.yaml}");
+  EXPECT_EQ(named.camera.camera, "");
+  EXPECT_EQ(named.calibration_camera, "cam1");
+}
+
 TEST(CameraConfig, WrongParametersAreNamed) {
   EXPECT_THAT(errorOf("{devise: 0}"), HasSubstr("devise"));
   EXPECT_THAT(errorOf("{exposure: short}"), HasSubstr("exposure is 'short'"));

@@ -42,6 +42,7 @@ class CompressedOffline(unittest.TestCase):
 
             run(SIMULATE, "--bag", path("raw.bag"), "--width", "320", "--height", "200", "--fx", "200", "--rate", "20",
                 "--duration", "2", "--exposure", "0.01", "--no-cache")
+            self.assert_a_camera_is_refused(path("raw.bag"))
             add_compressed(path("raw.bag"), path("twins.bag"))
             for topic in (RAW, COMPRESSED):
                 run(OFFLINE, path("twins.bag"), "--output", path(topic.split("/")[-1]), "--image-topic", topic, "--deterministic")
@@ -50,6 +51,13 @@ class CompressedOffline(unittest.TestCase):
                     poses = raw.read()
                     self.assertGreater(poses.count(b"\n"), 20, name)
                     self.assertEqual(poses, compressed.read(), name)
+
+    def assert_a_camera_is_refused(self, bag):
+        """For there is no calibration that tells of several."""
+        done = subprocess.run([OFFLINE, bag, "--output", os.devnull, "--camera", "cam1"], stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, check=False)
+        self.assertEqual(1, done.returncode, done.stdout)
+        self.assertIn("--camera cam1: for a bag it chooses from --calibration, which is not told", done.stdout)
 
 
 if __name__ == "__main__":

@@ -41,8 +41,9 @@ class LaunchFiles(unittest.TestCase):
 
     def test_webcam_passes_on_what_the_camera_takes(self):
         parameters, _ = launched("launch/webcam.launch", "max_exposure:=0.01", "read_out:=0.026", "dynamic_frame_rate:=true",
-                                 "color:=true", "camera_frame:=eye")
-        expected = {"max_exposure": 0.01, "read_out": 0.026, "dynamic_frame_rate": True, "color": True, "frame_id": "eye"}
+                                 "color:=true", "camera_frame:=eye", "calibration_camera:=cam1")
+        expected = {"max_exposure": 0.01, "read_out": 0.026, "dynamic_frame_rate": True, "color": True, "frame_id": "eye",
+                    "calibration_camera": "cam1"}
         self.assertEqual(expected, {key: parameters["/camera/" + key] for key in expected})
 
     def test_webcam_passes_on_what_the_odometry_takes(self):

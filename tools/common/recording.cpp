@@ -65,7 +65,11 @@ std::unique_ptr<mba_vo::SequenceReader> openBag(const RecordingArguments& a) {
   topics.depth_tolerance = a.depth_tolerance;
   topics.stamp_reference = mba_vo::parseStampReference(a.stamp_reference);
   topics.rectified = a.rectified;
-  if (!a.calibration.empty()) topics.calibration = mba_vo::readCameraFile(a.calibration, a.camera).calibration;
+  if (!a.camera.empty() && a.calibration.empty()) {
+    throw std::runtime_error("--camera " + a.camera +
+                             ": for a bag it chooses from --calibration, which is not told; topics by --image-topic");
+  }
+  if (!a.calibration.empty()) topics.calibration = mba_vo::readChosenCamera(a.calibration, a.camera).calibration;
   auto bag = mba_vo::openBag(a.sequence, topics);
   const std::optional<double> exposure = exposureOverride(a);
   if (!exposure) {

@@ -11,6 +11,7 @@ struct CameraSettings {
   DeviceSettings device;          // its path may be a number (0 = /dev/video0), a device, a file or a folder
   bool loop = false;              // recordings: begin again at the end
   std::string images = "images";  // sequence folders: subfolder of the images
+  std::string camera;             // sequence folders: which one of several in the camera file; empty = the first
 };
 
 /// Whether the path is that of a device, and not of a recording.

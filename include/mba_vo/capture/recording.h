@@ -29,9 +29,10 @@ class Recording {
   virtual std::string calibrationFile() const { return ""; }
 };
 
-/// Opens a video file, a folder of images in the order of their names, or a sequence folder (times.txt, camera.yaml).
-/// `rate` [Hz]: 0 = the recording's own; folders without times have none, and get 30 Hz. Throws CameraError naming what
-/// is missing or wrong.
-std::unique_ptr<Recording> openRecording(const std::string& path, double rate, const std::string& images_subfolder);
+/// Opens a video file, a folder of images in the order of their names, or a sequence folder (times.txt, a camera file).
+/// `rate` [Hz]: 0 = the recording's own; folders without times have none, and get 30 Hz. `camera`: which one of several
+/// in the camera file of a sequence folder; empty = the first. Throws CameraError naming what is missing or wrong.
+std::unique_ptr<Recording> openRecording(const std::string& path, double rate, const std::string& images_subfolder,
+                                         const std::string& camera = "");
 
 }  // namespace mba_vo

@@ -13,7 +13,7 @@ struct DatasetOptions {
   std::string images = "images";  // sub-folder with the images, of a sequence folder
   DepthFolder depth;              // of a sequence folder, TUM RGB-D or ETH3D
   std::string calibration_file;   // in place of the recording's own; empty = that
-  std::string camera;             // of several (cam0, cam1, ...); empty = cam0
+  std::string camera;             // of several (cam0, cam1, ...), of a folder or a calibration; empty = cam0
 };
 
 /// A recording, and what its form tells of the camera beside the calibration.

@@ -16,6 +16,8 @@ struct CameraFile {
   CameraCalibration calibration;
   std::string form;                  // of the file, for messages
   std::optional<SE3> T_body_camera;  // of the rig, where the file tells: a Kalibr or ASL file
+  bool has_names = false;            // its cameras are called cam0, cam1, ...: one can be chosen
+  bool of_ros = false;               // camera_info, as camera_info_manager writes it
 };
 
 /// Reads the calibration of a camera; what kind of file it is shows when one looks at it:
@@ -28,6 +30,10 @@ struct CameraFile {
 /// `camera`: which one of several (cam0, cam1, ...); empty = cam0, or the only one. Throws std::runtime_error naming
 /// file, line or key, value, and what is allowed.
 CameraFile readCameraFile(const std::string& file, const std::string& camera = "", cv::Size image_size = {});
+
+/// The same for a camera that a user has named, unless `camera` is empty. A file of one camera without a name is then
+/// refused, too: nothing can be chosen from it.
+CameraFile readChosenCamera(const std::string& file, const std::string& camera, cv::Size image_size = {});
 
 /// T_BS of a sensor.yaml of any sensor: maps its coordinates to those of the body. Nullopt if the file tells none.
 std::optional<SE3> readSensorPose(const std::string& file);

@@ -36,8 +36,9 @@ struct DepthFolder {
 /// custom>.<webp|png|jpg|...>. A folder of TUM-mono is one, too. Stamps are those of mid-exposure. The exposures of
 /// times.txt are those of the sub-folder `images`; for any other sub-folder they are unknown. Depth images
 /// <depth>/<id>.png, 16 bit, belong to the image of the same id, pixel by pixel; there may be some for a few images
-/// only. Throws std::runtime_error naming what is missing or malformed.
+/// only. `camera`: as for readChosenCamera. Throws std::runtime_error naming what is missing or malformed.
 std::unique_ptr<SequenceReader> openSequenceFolder(const std::string& folder, const std::string& images_subfolder,
-                                                   const DepthFolder& depth = {}, const std::string& camera_file = "");
+                                                   const DepthFolder& depth = {}, const std::string& camera_file = "",
+                                                   const std::string& camera = "");
 
 }  // namespace mba_vo

@@ -9,13 +9,15 @@
 
 namespace mba_vo {
 
-/// The camera_info of a camera: of a file by camera_info_manager, which also serves set_camera_info, or guessed.
+/// The camera_info of a camera: of a calibration file of any kind (readCameraFile), or guessed. camera_info_manager
+/// reads those of ROS, and serves set_camera_info.
 class CalibrationKeeper {
  public:
   /// `url`: URL or absolute path; empty = camera_info_manager's own place. `field_of_view`: horizontal [deg], 0 =
-  /// unknown. Throws std::invalid_argument for an URL that cannot be one.
+  /// unknown. `camera`: which one of several in the file; empty = the first. Throws std::invalid_argument for an URL
+  /// that cannot be one, and std::runtime_error naming what is wrong with the file, if there is one.
   CalibrationKeeper(const ros::NodeHandle& nh, const std::string& camera_name, const std::string& url,
-                    double field_of_view);
+                    double field_of_view, const std::string& camera = "");
 
   /// For images of this size; K is zero if nothing is known.
   sensor_msgs::CameraInfo infoFor(const cv::Size& size);
@@ -23,6 +25,8 @@ class CalibrationKeeper {
   std::string problem(const cv::Size& size);
 
  private:
+  void read(const std::string& url, const std::string& camera);
+
   camera_info_manager::CameraInfoManager manager_;
   std::string place_;  // where the calibration is looked for
   double field_of_view_;

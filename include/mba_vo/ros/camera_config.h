@@ -17,6 +17,7 @@ struct CameraConfig {
   std::string frame_id = "camera_optical";
   std::string camera_name = "camera";
   std::string camera_info_url;
+  std::string calibration_camera;
   double field_of_view = 0.0;
 
   CameraConfig() { camera.device.path = "/dev/video0"; }
@@ -40,6 +41,7 @@ struct CameraConfig {
     v("frame_id", c.frame_id, "frame of the images, optical axes");
     v("camera_name", c.camera_name, "of camera_info_manager");
     v("camera_info_url", c.camera_info_url, "calibration: absolute path or URL; empty: where the node keeps it");
+    v("calibration_camera", c.calibration_camera, "which one of several cameras of the calibration: cam0, cam1, ...");
     v("field_of_view", c.field_of_view, 0.0, 170.0, "horizontal, where there is no calibration; 0 = unknown [deg]");
     v("loop", c.camera.loop, "recordings begin again at the end");
     v("images", c.camera.images, "subfolder of a sequence folder");

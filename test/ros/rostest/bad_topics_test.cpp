@@ -126,7 +126,6 @@ TEST_F(BadInput, WithoutAMapperTheTrackerSaysSo) {
       kTimeout));
 }
 
-/// The node of bad_input.test, with the preset of a driver that sends bare numbers.
 /// With room for five images most are shed that come at once, because their exposures come late; the last ones wait for
 /// theirs when the tracker ends.
 TEST_F(BadInput, EveryImageIsWrittenDownWhateverBecomesOfIt) {
@@ -161,6 +160,38 @@ TEST_F(BadInput, EveryImageIsWrittenDownWhateverBecomesOfIt) {
   std::filesystem::remove_all(folder);
 }
 
+/// Half an exposure before its stamp is before the beginning of time, which no message can tell.
+TEST_F(BadInput, TheImageThatTheTrackerFailsOnIsWrittenDown) {
+  const std::string folder = (std::filesystem::temp_directory_path() / ("mba_vo_" + name_)).string();
+  ros::NodeHandle parameters("/failing");
+  parameters.setParam("stamp_reference", "end");
+  parameters.setParam("exposure_time", 0.02);
+  parameters.setParam("publish_tf", false);
+  parameters.setParam("output_directory", folder);
+  auto failing = std::make_unique<LiveOdometry>("/failing", "/" + name_ + "_camera");
+  sendCameraInfo();
+  sendImage(5'000'000);
+  ASSERT_TRUE(failing->waitFor(
+      [](const Outputs& o) { return !o.status.empty() && o.status.back()->frames_failed == 1; }, kTimeout));
+  sendImage(stamp(0));
+  ASSERT_TRUE(failing->waitUntilDone(2, kTimeout));
+  EXPECT_EQ(failing->status().frames_initializing, 1U) << "it goes on";
+  failing.reset();
+  std::ifstream frames(folder + "/frames.csv");
+  std::string header, failed, next, more;
+  std::getline(frames, header);
+  std::getline(frames, failed);
+  std::getline(frames, next);
+  EXPECT_EQ(failed.rfind("0,", 0), 0U) << failed;
+  EXPECT_NE(failed.find(",REJECTED,"), std::string::npos) << failed;
+  EXPECT_NE(failed.find("the tracker failed: "), std::string::npos) << failed;
+  EXPECT_EQ(next.rfind("1,", 0), 0U) << next;
+  EXPECT_NE(next.find(",INITIALIZING,"), std::string::npos) << next;
+  EXPECT_FALSE(std::getline(frames, more)) << more;
+  std::filesystem::remove_all(folder);
+}
+
+/// The node of bad_input.test, with the preset of a driver that sends bare numbers.
 TEST(ExposureRelay, GivesEachImageTheNumberThatArrivesNextToIt) {
   ros::NodeHandle nh("/relay");
   std::mutex mutex;

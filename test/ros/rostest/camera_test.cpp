@@ -87,6 +87,51 @@ TEST_F(CameraNodeletTest, PlaysAVideoWhenSomebodyListens) {
   EXPECT_LT(std::abs((ros::Time::now() - images_[0]->header.stamp).toSec()), kTimeout);  // taken just now
 }
 
+/// What is played has 64x48 pixels.
+TEST_F(CameraNodeletTest, TakesCalibrationsOfEveryKind) {
+  const std::string rig =
+      "  camera_model: pinhole\n  distortion_model: equidistant\n  distortion_coeffs: [0.1, 0.02, 0.003, 0.0004]\n"
+      "  resolution: [64, 48]\n";
+  folder_.write("camchain.yaml",
+                "cam0:\n  intrinsics: [51, 51, 31, 23]\n" + rig + "cam1:\n  intrinsics: [52, 53, 31, 23]\n" + rig);
+  folder_.write("sensor.yaml",
+                "sensor_type: camera\nresolution: [64, 48]\nintrinsics: [54, 55, 31, 23]\n"
+                "distortion_model: radial-tangential\ndistortion_coefficients: [-0.2, 0.05, 0.001, 0.002]\n");
+  folder_.write("camera.txt", "FOV 56 57 31 23 0.9\n64 48\nnone\n64 48\n");
+  folder_.write("camera.yaml",
+                "image_width: 64\nimage_height: 48\ncamera_name: camera\ndistortion_model: plumb_bob\n"
+                "camera_matrix: {rows: 3, cols: 3, data: [58, 0, 31, 0, 59, 23, 0, 0, 1]}\n"
+                "distortion_coefficients: {rows: 1, cols: 5, data: [0.1, 0, 0, 0, 0]}\n"
+                "rectification_matrix: {rows: 3, cols: 3, data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}\n"
+                "projection_matrix: {rows: 3, cols: 4, data: [44, 0, 31, 0, 0, 45, 23, 0, 0, 0, 1, 0]}\n");
+  struct Expected {
+    const char *file, *camera, *model;
+    double fx, first, projected;  // first coefficient of the lens; focal length of rectified images
+  };
+  const Expected kinds[] = {{"camchain.yaml", "", "equidistant", 51.0, 0.1, 51.0},
+                            {"camchain.yaml", "cam1", "equidistant", 52.0, 0.1, 52.0},
+                            {"sensor.yaml", "", "plumb_bob", 54.0, -0.2, 54.0},
+                            {"camera.txt", "", "fov", 56.0, 0.9, 56.0},
+                            {"camera.yaml", "", "plumb_bob", 58.0, 0.1, 44.0}};
+  for (const Expected& expected : kinds) {
+    SCOPED_TRACE(std::string(expected.file) + " " + expected.camera);
+    nh_.setParam("camera_info_url", folder_.file(expected.file));
+    nh_.setParam("calibration_camera", std::string(expected.camera));
+    infos_.clear();
+    images_.clear();
+    exposures_.clear();
+    ASSERT_TRUE(load());
+    listenToAll();
+    ASSERT_TRUE(waitFor(1));
+    subscribers_.clear();
+    ASSERT_TRUE(loader_.unload("/camera"));
+    EXPECT_EQ(infos_[0]->K[0], expected.fx);
+    EXPECT_EQ(infos_[0]->P[0], expected.projected);
+    EXPECT_EQ(infos_[0]->distortion_model, expected.model);
+    EXPECT_EQ(infos_[0]->D.at(0), expected.first);
+  }
+}
+
 TEST_F(CameraNodeletTest, IsUnloadedWhilePlayingAndLoadedAgain) {
   nh_.setParam("loop", true);
   ASSERT_TRUE(load());
@@ -112,6 +157,12 @@ TEST_F(CameraNodeletTest, WhatCannotBeUsedEndsTheStart) {
   EXPECT_TRUE(wrong("stamp_reference", "centre"));
   nh_.deleteParam("stamp_reference");
   EXPECT_TRUE(wrong("camera_info_url", "camera.yaml"));
+  EXPECT_TRUE(wrong("camera_info_url",
+                    folder_.write("spoilt.yaml", "cam0: {intrinsics: [0, 1, 2, 3], resolution: [64, 48]}\n")));
+  EXPECT_TRUE(wrong("camera_info_url", "package://mba_vo_that_is_not_there/camera.yaml"));
+  nh_.setParam("camera_info_url", folder_.file("camera.yaml"));
+  EXPECT_TRUE(wrong("calibration_camera", "cam1")) << "of a calibration that is not there";
+  nh_.deleteParam("calibration_camera");
   nh_.deleteParam("camera_info_url");
   EXPECT_TRUE(wrong("camera_name", "my camera"));
   nh_.deleteParam("camera_name");

@@ -11,6 +11,7 @@
 
 #include "mba_vo/ros/conversions.h"
 #include "robot.h"
+#include "ros/console_lines.h"
 
 namespace mba_vo {
 namespace {
@@ -34,6 +35,21 @@ std::vector<int> mapsOf(const std::string& file) {
     }
   }
   return maps;
+}
+
+TEST(Lifecycle, ACameraThatIsCoveredForAWhileIsFoundAgainAndTheConsoleSaysSo) {
+  const ConsoleLines said;
+  Robot robot("covered");
+  robot.see(0, kUntilMap);
+  ASSERT_TRUE(robot.becomesTracking());
+  robot.see(kUntilMap, kUntilMap + 2, true);
+  EXPECT_EQ(said.count("WARN the camera is lost, and looked for: the image shows nothing"), 1U);
+  EXPECT_EQ(said.count("the camera is found again"), 0U);
+  robot.see(kUntilMap + 2, kUntilMap + 10);
+  ASSERT_TRUE(robot.isDone(kUntilMap + 10));
+  ASSERT_TRUE(robot.becomesTracking());
+  EXPECT_EQ(said.count("the camera is found again"), 1U);
+  EXPECT_EQ(robot.odometry->status().resets, 0U);
 }
 
 TEST(Lifecycle, ResetWhileTracking) {

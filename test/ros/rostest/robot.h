@@ -89,10 +89,10 @@ class Robot {
 
   /// Sends images [first, end), each when tracker and mapper have dealt with the one before, however slow the machine
   /// is.
-  void see(std::size_t first, std::size_t end) {
+  void see(std::size_t first, std::size_t end, bool covered = false) {
     ASSERT_TRUE(camera->waitForReaders(kTimeout));
     for (std::size_t i = first; i < end; ++i) {
-      camera->send(i);
+      camera->send(i, covered);
       std::unique_lock<std::mutex> lock(mutex_);
       ++sent_;
       const auto idle = [this] { return tracked_.size() >= sent_ && waiting_.empty() && to_map_.empty(); };

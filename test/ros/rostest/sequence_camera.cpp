@@ -34,7 +34,7 @@ bool SequenceCamera::waitForReaders(double timeout) const {
   return true;
 }
 
-void SequenceCamera::send(std::size_t index) {
+void SequenceCamera::send(std::size_t index, bool covered) {
   const CameraImage& image = images_.at(index);
   rosgraph_msgs::Clock clock;
   clock.clock = toRosTime(image.stamp_ns);
@@ -46,7 +46,8 @@ void SequenceCamera::send(std::size_t index) {
   exposure.header = info_.header;
   exposure.exposure_time = exposureToMessage(image.exposure);
   exposure_publisher_.publish(exposure);
-  const cv_bridge::CvImage message(info_.header, sensor_msgs::image_encodings::MONO8, image.image);
+  const cv::Mat pixels = covered ? cv::Mat::zeros(image.image.size(), image.image.type()) : image.image;
+  const cv_bridge::CvImage message(info_.header, sensor_msgs::image_encodings::MONO8, pixels);
   if (compressed_) {
     image_publisher_.publish(message.toCompressedImageMsg(cv_bridge::PNG));
   } else {

@@ -20,8 +20,8 @@ class SequenceCamera {
 
   /// Waits until somebody reads all topics; false after `timeout` [s].
   bool waitForReaders(double timeout) const;
-  /// The image's time becomes the present.
-  void send(std::size_t index);
+  /// The image's time becomes the present. `covered`: the image shows nothing.
+  void send(std::size_t index, bool covered = false);
   std::uint64_t sent() const { return sent_; }
 
  private:
