@@ -35,6 +35,10 @@ if(MBA_VO_TESTS)
   add_test(NAME mba_vo_benchmark COMMAND /usr/bin/python3 -m unittest discover
            --start-directory ${CMAKE_CURRENT_SOURCE_DIR}/test/benchmark --pattern *_test.py)
   set_tests_properties(mba_vo_benchmark PROPERTIES TIMEOUT 300)
+  # Short recordings in the forms of six data sets; with the programs, which are all in one folder.
+  add_test(NAME data_sets COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/datasets/miniatures_test.py
+           $<TARGET_FILE_DIR:mba_vo_offline>)
+  set_tests_properties(data_sets PROPERTIES TIMEOUT 600)
   add_test(NAME mba_vo_docs COMMAND /usr/bin/python3 -B -m unittest discover
            --start-directory ${CMAKE_CURRENT_SOURCE_DIR}/test/docs --pattern *_test.py)
 endif()
