@@ -12,6 +12,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mba_vo/deblur/tiles.h"
+#include "path_statistics.h"
 
 namespace mba_vo {
 namespace {
@@ -158,6 +159,7 @@ DeblurResult OnnxDeblurrer::deblur(const DeblurInput& input) const {
   }
   DeblurResult result;
   result.image = std::make_shared<const ImagePyramid>(sharp, level.camera, input.image->levels(), level.gain);
+  result.blur_px = medianBlur(input);
   result.sharpened = true;
   return result;
 }

@@ -89,6 +89,18 @@ TEST_F(OnnxDeblurrerTest, TheNetworkSeesGammaCodedPictures) {
   EXPECT_EQ(result(10, 10), 0.0F);
 }
 
+TEST_F(OnnxDeblurrerTest, TellsTheLengthOfTheBlurWhereDepthsAreKnown) {
+  const OnnxDeblurrer deblurrer(configFor(test::onnxConvolution(1, 1, kSame), 1));
+  DeblurInput input = inputOf(texture(101, 75));
+  input.motion.exposure = 0.02;
+  input.motion.velocity.x() = 5.0;  // [m/s]: 0.1 m, at 2 m and with 100 px per focal length 5 px
+  EXPECT_EQ(deblurrer.deblur(input).blur_px, 0.0F) << "no depth is known";
+  for (float x = 0.0F; x <= 100.0F; x += 10.0F) {
+    for (float y = 0.0F; y <= 70.0F; y += 10.0F) input.depths.push_back({{x, y}, 0.5F});
+  }
+  EXPECT_NEAR(deblurrer.deblur(input).blur_px, 5.0F, 0.01F);
+}
+
 TEST_F(OnnxDeblurrerTest, InvalidPixelsStayInvalid) {
   cv::Mat1f image = texture(64, 64);
   image(5, 6) = std::numeric_limits<float>::quiet_NaN();
