@@ -97,12 +97,12 @@ void run(const Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Writes a recording in the forms that DSO, ORB-SLAM and readers of EuRoC or TUM RGB-D take.",
-               "mba_vo_export");
-  Arguments arguments;
-  describe(app, arguments);
-  CLI11_PARSE(app, argc, argv);
   try {
+    CLI::App app("Writes a recording in the forms that DSO, ORB-SLAM and readers of EuRoC or TUM RGB-D take.",
+                 "mba_vo_export");
+    Arguments arguments;
+    describe(app, arguments);
+    CLI11_PARSE(app, argc, argv);
     run(arguments);
   } catch (const std::exception& error) {
     std::cerr << "mba_vo_export: " << error.what() << "\n";

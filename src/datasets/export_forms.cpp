@@ -188,7 +188,7 @@ double ExportContent::rate() const {
 }
 
 const std::vector<ExportForm>& allExportForms() {
-  static const std::vector<ExportForm> forms{
+  static const std::vector<ExportForm> kForms{
       {"dso", checkDso,
        [](const ExportedFrame& /*frame*/, std::size_t index) { return "images/" + indexName(index) + ".png"; }, nullptr,
        [] { return std::vector<const char*>{"images"}; }, writeDso},
@@ -203,7 +203,7 @@ const std::vector<ExportForm>& allExportForms() {
          return std::vector<const char*>{"rgb", "depth"};
        },
        writeTum}};
-  return forms;
+  return kForms;
 }
 
 void writeFrameSheet(const std::vector<ExportedFrame>& frames, std::ostream& out) {

@@ -12,25 +12,25 @@
 namespace mba_vo {
 namespace {
 
-constexpr std::size_t kRadialTangential = 4;  // coefficients: k1 k2 p1 p2
+constexpr std::size_t kCoefficients = 4;  // k1 k2 p1 p2, or k1 to k4
 
-enum class Lens { Pinhole, RadialTangential, Equidistant, Fov, Other };
+enum class Lens { kPinhole, kRadialTangential, kEquidistant, kFov, kOther };
 
 Lens lensOf(const CameraCalibration& c) {
-  if (isUndistorted(c)) return Lens::Pinhole;
-  if (c.distortion_model == "plumb_bob") return Lens::RadialTangential;
-  if (c.distortion_model == "equidistant") return Lens::Equidistant;
-  if (c.distortion_model == "fov") return Lens::Fov;
-  return Lens::Other;
+  if (isUndistorted(c)) return Lens::kPinhole;
+  if (c.distortion_model == "plumb_bob") return Lens::kRadialTangential;
+  if (c.distortion_model == "equidistant") return Lens::kEquidistant;
+  if (c.distortion_model == "fov") return Lens::kFov;
+  return Lens::kOther;
 }
 
 /// A third radial coefficient, which most files have no place for.
 double thirdRadial(const CameraCalibration& c) {
-  return c.distortion.size() > kRadialTangential ? c.distortion[kRadialTangential] : 0.0;
+  return c.distortion.size() > kCoefficients ? c.distortion[kCoefficients] : 0.0;
 }
 
 [[noreturn]] void refuse(const CameraCalibration& c, const std::string& reader, const std::string& allowed) {
-  const bool third = lensOf(c) == Lens::RadialTangential;
+  const bool third = lensOf(c) == Lens::kRadialTangential;
   const std::string lens = c.distortion_model + (third ? " with k3 = " + std::to_string(thirdRadial(c)) : "");
   throw std::invalid_argument("lens " + lens + ": " + reader + " knows no such; " + allowed +
                               " are allowed, or rectify the images");
@@ -70,11 +70,11 @@ std::vector<Value> intrinsics(const CameraCalibration& c) {
 
 std::vector<Value> orbSlamDistortion(const CameraCalibration& c) {
   std::vector<Value> values;
-  const bool equidistant = lensOf(c) == Lens::Equidistant;
-  const std::array<const char*, kRadialTangential> names =
-      equidistant ? std::array<const char*, kRadialTangential>{"k1", "k2", "k3", "k4"}
-                  : std::array<const char*, kRadialTangential>{"k1", "k2", "p1", "p2"};
-  const std::vector<double> d = firstCoefficients(c, kRadialTangential);
+  const bool equidistant = lensOf(c) == Lens::kEquidistant;
+  const std::array<const char*, kCoefficients> names =
+      equidistant ? std::array<const char*, kCoefficients>{"k1", "k2", "k3", "k4"}
+                  : std::array<const char*, kCoefficients>{"k1", "k2", "p1", "p2"};
+  const std::vector<double> d = firstCoefficients(c, kCoefficients);
   for (std::size_t i = 0; i < names.size(); ++i) values.push_back({names[i], d[i]});
   if (!equidistant && thirdRadial(c) != 0.0) values.push_back({"k3", thirdRadial(c)});
   return values;
@@ -84,31 +84,31 @@ std::vector<Value> orbSlamDistortion(const CameraCalibration& c) {
 
 void writeDsoCamera(const CameraCalibration& c, std::ostream& out) {
   const Lens lens = lensOf(c);
-  const bool too_many = lens == Lens::RadialTangential && thirdRadial(c) != 0.0;
-  if (lens == Lens::Other || too_many) refuse(c, "DSO", "plumb_bob without k3, equidistant, fov and no distortion");
+  const bool too_many = lens == Lens::kRadialTangential && thirdRadial(c) != 0.0;
+  if (lens == Lens::kOther || too_many) refuse(c, "DSO", "plumb_bob without k3, equidistant, fov and no distortion");
   std::vector<double> values{c.fx, c.fy, c.cx, c.cy};
   const auto line = [&](const char* name, std::size_t coefficients) {
     for (const double value : firstCoefficients(c, coefficients)) values.push_back(value);
     out << name << " " << joined(values, " ") << "\n";
   };
-  if (lens == Lens::Pinhole) {
+  if (lens == Lens::kPinhole) {
     values.push_back(0.0);
     out << "Pinhole " << joined(values, " ") << "\n";
   }
-  if (lens == Lens::RadialTangential) line("RadTan", kRadialTangential);
-  if (lens == Lens::Equidistant) line("EquiDistant", 4);
-  if (lens == Lens::Fov) line("FOV", 1);
+  if (lens == Lens::kRadialTangential) line("RadTan", kCoefficients);
+  if (lens == Lens::kEquidistant) line("EquiDistant", 4);
+  if (lens == Lens::kFov) line("FOV", 1);
   constexpr int kMultiple = 16;  // four halvings
   const int width = c.width / kMultiple * kMultiple;
   const int height = c.height / kMultiple * kMultiple;
-  const bool as_it_is = lens == Lens::Pinhole && width == c.width && height == c.height;
+  const bool as_it_is = lens == Lens::kPinhole && width == c.width && height == c.height;
   out << c.width << " " << c.height << "\n" << (as_it_is ? "none" : "crop") << "\n" << width << " " << height << "\n";
 }
 
 void writeAslCamera(const CameraCalibration& c, double rate, std::ostream& out) {
   const Lens lens = lensOf(c);
-  const bool too_many = lens == Lens::RadialTangential && thirdRadial(c) != 0.0;
-  if (lens == Lens::Other || lens == Lens::Fov || too_many) {
+  const bool too_many = lens == Lens::kRadialTangential && thirdRadial(c) != 0.0;
+  if (lens == Lens::kOther || lens == Lens::kFov || too_many) {
     refuse(c, "the form of EuRoC", "plumb_bob without k3, equidistant and no distortion");
   }
   // Readers of this form want a distortion even where there is none.
@@ -117,18 +117,18 @@ void writeAslCamera(const CameraCalibration& c, double rate, std::ostream& out) 
       << "         0.0, 0.0, 1.0, 0.0,\n         0.0, 0.0, 0.0, 1.0]\n"
       << "rate_hz: " << std::lround(rate) << "\nresolution: [" << c.width << ", " << c.height << "]\n"
       << "camera_model: pinhole\nintrinsics: [" << joined({c.fx, c.fy, c.cx, c.cy}, ", ") << "]\n"
-      << "distortion_model: " << (lens == Lens::Equidistant ? "equidistant" : "radial-tangential") << "\n"
-      << "distortion_coefficients: [" << joined(firstCoefficients(c, kRadialTangential), ", ") << "]\n";
+      << "distortion_model: " << (lens == Lens::kEquidistant ? "equidistant" : "radial-tangential") << "\n"
+      << "distortion_coefficients: [" << joined(firstCoefficients(c, kCoefficients), ", ") << "]\n";
 }
 
 void writeOrbSlamSettings(const CameraCalibration& c, double rate, std::ostream& out) {
   const Lens lens = lensOf(c);
-  if (lens == Lens::Other || lens == Lens::Fov) refuse(c, "ORB-SLAM", "plumb_bob, equidistant and no distortion");
-  const bool fisheye = lens == Lens::Equidistant;
+  if (lens == Lens::kOther || lens == Lens::kFov) refuse(c, "ORB-SLAM", "plumb_bob, equidistant and no distortion");
+  const bool fisheye = lens == Lens::kEquidistant;
   out << "%YAML:1.0\n# Of mba_vo_export. Keys Camera1 and File are of ORB-SLAM3.\nFile.version: \"1.0\"\n"
       << "Camera.type: \"" << (fisheye ? "KannalaBrandt8" : "PinHole") << "\"\n";
   writeReals(intrinsics(c), "Camera1.", out);
-  if (lens != Lens::Pinhole) writeReals(orbSlamDistortion(c), "Camera1.", out);
+  if (lens != Lens::kPinhole) writeReals(orbSlamDistortion(c), "Camera1.", out);
   if (!fisheye) {
     writeReals(intrinsics(c), "Camera.", out);
     writeReals(orbSlamDistortion(c), "Camera.", out);  // zeros for a pinhole: ORB-SLAM2 demands them
