@@ -22,9 +22,10 @@ mba_vo_tool(mba_vo_calibrate mba_vo_datasets)
 mba_vo_tool(mba_vo_check mba_vo_inspection)
 mba_vo_tool(mba_vo_deblur mba_vo_datasets)
 mba_vo_tool(mba_vo_evaluate mba_vo_datasets)
+mba_vo_tool(mba_vo_export mba_vo_datasets)
 mba_vo_tool(mba_vo_offline mba_vo_datasets)
 mba_vo_tool(mba_vo_simulate mba_vo_simulation mba_vo_io)
-foreach(program mba_vo_calibrate mba_vo_offline)  # that read any recording
+foreach(program mba_vo_calibrate mba_vo_export mba_vo_offline)  # that read any recording
   target_sources(${program} PRIVATE ${MBA_VO_TOOLS_COMMON})
   target_include_directories(${program} PRIVATE tools/common)
 endforeach()
@@ -34,6 +35,10 @@ if(MBA_VO_TESTS)
   add_test(NAME mba_vo_benchmark COMMAND /usr/bin/python3 -m unittest discover
            --start-directory ${CMAKE_CURRENT_SOURCE_DIR}/test/benchmark --pattern *_test.py)
   set_tests_properties(mba_vo_benchmark PROPERTIES TIMEOUT 300)
+  # Short recordings in the forms of six data sets; with the programs, which are all in one folder.
+  add_test(NAME data_sets COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/datasets/miniatures_test.py
+           $<TARGET_FILE_DIR:mba_vo_offline>)
+  set_tests_properties(data_sets PROPERTIES TIMEOUT 600)
   add_test(NAME mba_vo_docs COMMAND /usr/bin/python3 -B -m unittest discover
            --start-directory ${CMAKE_CURRENT_SOURCE_DIR}/test/docs --pattern *_test.py)
 endif()
@@ -54,6 +59,10 @@ mba_vo_tool_test(evaluate_missing_file mba_vo_evaluate "/nonexistent.txt: cannot
   --groundtruth /nonexistent.txt --estimate /nonexistent.txt)
 mba_vo_tool_test(evaluate_wrong_alignment mba_vo_evaluate "--alignment: Check affine"
   --groundtruth a --estimate b --alignment affine)
+mba_vo_tool_test(export_without_output mba_vo_export "SEQUENCE and --output are needed" ${CMAKE_CURRENT_SOURCE_DIR})
+mba_vo_tool_test(export_missing_sequence mba_vo_export "/nonexistent: no such sequence" /nonexistent --output out)
+mba_vo_tool_test(export_wrong_form mba_vo_export "--form: kitti not in" x --output out --form kitti)
+mba_vo_tool_test(export_row_time mba_vo_export "--row-time: none of the forms has a place for it" x --output out --row-time 3e-5)
 mba_vo_tool_test(offline_without_sequence mba_vo_offline "SEQUENCE and --output are needed")
 mba_vo_tool_test(offline_missing_sequence mba_vo_offline "/nonexistent: no such sequence" /nonexistent --output out)
 mba_vo_tool_test(offline_missing_config mba_vo_offline "/nonexistent.yaml: cannot be read"

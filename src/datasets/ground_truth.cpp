@@ -108,20 +108,33 @@ std::vector<PoseRecord> readSevenScenes(const std::vector<NumberedFile>& files) 
   return records;
 }
 
+constexpr std::array<const char*, 5> kTruths{"groundtruth.txt", "groundtruthSync.txt",
+                                             "mav0/state_groundtruth_estimate0/data.csv", "mav0/mocap0/data.csv",
+                                             "mav0/vicon0/data.csv"};
+
+/// The first of kTruths in the folder; empty if there is none.
+fs::path truthFile(const fs::path& folder) {
+  for (const char* name : kTruths) {
+    if (fs::exists(folder / name)) return folder / name;
+  }
+  return {};
+}
+
 std::vector<PoseRecord> readFolder(const fs::path& folder, const GroundTruthOptions& options) {
   const std::vector<NumberedFile> poses = sevenScenesFiles(folder, ".pose");
   if (!poses.empty()) return readSevenScenes(poses);
+  const fs::path file = truthFile(folder);
+  if (!file.empty()) return readGroundTruth(file.string(), options);
   std::string tried = "frame-000000.pose.txt";
-  for (const char* name : {"groundtruth.txt", "groundtruthSync.txt", "mav0/state_groundtruth_estimate0/data.csv",
-                           "mav0/mocap0/data.csv", "mav0/vicon0/data.csv"}) {
-    const fs::path file = folder / name;
-    if (fs::exists(file)) return readGroundTruth(file.string(), options);
-    tried += std::string(", ") + name;
-  }
+  for (const char* name : kTruths) tried += std::string(", ") + name;
   throw std::runtime_error(folder.string() + ": no ground truth, none of " + tried);
 }
 
 }  // namespace
+
+bool hasGroundTruth(const std::string& folder) {
+  return !truthFile(folder).empty() || !sevenScenesFiles(folder, ".pose").empty();
+}
 
 std::vector<PoseRecord> readGroundTruth(const std::string& path, const GroundTruthOptions& options) {
   if (fs::is_directory(path)) return readFolder(path, options);

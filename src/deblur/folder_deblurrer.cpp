@@ -9,6 +9,8 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "path_statistics.h"
+
 namespace mba_vo {
 namespace {
 
@@ -53,6 +55,7 @@ DeblurResult FolderDeblurrer::deblur(const DeblurInput& input) const {
   const cv::Mat valid = level.intensity == level.intensity;  // NaN differs from itself
   sharp.setTo(std::nanf(""), ~valid);
   result.image = std::make_shared<const ImagePyramid>(sharp, level.camera, input.image->levels(), level.gain);
+  result.blur_px = medianBlur(input);
   result.sharpened = true;
   return result;
 }

@@ -49,4 +49,9 @@ PathStatistics measurePaths(const DeblurInput& input, const cv::Mat1f& depth) {
   return result;
 }
 
+float medianBlur(const DeblurInput& input) {
+  const cv::Mat1f depth = denseInverseDepth(input.image->level(0).camera, input.depths);
+  return depth.empty() ? 0.0F : measurePaths(input, depth).median;
+}
+
 }  // namespace mba_vo

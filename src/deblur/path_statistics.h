@@ -14,4 +14,7 @@ struct PathStatistics {
 /// `depth`: of every pixel [1/m].
 PathStatistics measurePaths(const DeblurInput& input, const cv::Mat1f& depth);
 
+/// Median length of the paths [px], by the depths that are known; 0 if none are.
+float medianBlur(const DeblurInput& input);
+
 }  // namespace mba_vo

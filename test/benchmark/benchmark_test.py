@@ -72,6 +72,21 @@ class Programs(InFolder):
         self.assertNotIn("src='runs", html)
         self.assertIn("data:image/png;base64,cGljdHVyZQo=", html)
 
+    def test_the_worst_frame_is_shown(self):
+        self.fakes.add_sequence("one")
+        self.fakes.add_sequence("cannot_be_exported")
+        self.write("sequences: {one: {path: one, options: --images sharp --live}, other: cannot_be_exported}\nstarts: [4]")
+        self.run_it()
+        said = (self.output / "runs/one-mba_vo-4/worst/dso/options.txt").read_text()
+        self.assertIn("--skip 6 --frames 1 --images sharp\n", said)
+        html = (self.output / "results.html").read_text()
+        self.assertIn("src='data:image/png;base64,d29yc3QK'", html)
+        self.assertIn("<figcaption>one, mba_vo, start 4, image 6: 0.25 px off, blur of 4.5 px</figcaption>", html)
+        page = (self.output / "results.md").read_text()
+        self.assertIn("(runs/one-mba_vo-4/worst/dso/images/000000.png)", page)
+        self.assertEqual(page.count("/worst/"), 1)
+        self.assertIsNone(self.results()["runs"][1]["failed"])  # for want of a picture
+
     def test_failures_are_repeated_alone(self):
         for name in ("good", "broken", "once", "killed"):
             self.fakes.add_sequence(name)

@@ -11,7 +11,7 @@ CONFIG = FOLDER.parents[1] / "config"
 sys.dont_write_bytecode = True
 sys.path[:0] = [str(TOOLS), str(FOLDER)]
 from fakes import InFolder  # noqa: E402
-from mba_vo_benchmarking import experiment, figures, page_tables, pieces, published, tables  # noqa: E402
+from mba_vo_benchmarking import experiment, figures, page_tables, pieces, published, tables, worst  # noqa: E402
 from mba_vo_benchmarking.errors import BenchmarkError  # noqa: E402
 
 
@@ -107,6 +107,30 @@ class Figures(InFolder):
         table = tables.Table("A", "", ["x"], [["a|b <c>"]])
         self.assertIn("| a\\|b <c> |", tables.markdown(table))
         self.assertIn("<td>a|b &lt;c&gt;</td>", tables.as_html(table))
+
+
+class Worst(unittest.TestCase):
+    @staticmethod
+    def rows(*online):
+        return [{"online_status": status, "reason": "", "blur_px": "", "error_px": str(error)} for status, error in online]
+
+    def test_the_longest_gap_comes_first(self):
+        track, lost, shed = ("TRACKING", 0.1), ("LOST", ""), ("SHED", "")
+        self.assertEqual(worst.choose(self.rows(lost, lost, lost, track, lost, track, shed, lost, track)), (6, "no pose (SHED)"))
+        self.assertEqual(worst.choose(self.rows(track, lost, track, shed))[0], 1)  # of equal ones the first
+        self.assertEqual(worst.choose(self.rows(track, track, shed))[0], 2)
+        self.assertEqual(worst.choose(self.rows(lost, lost))[0], 0)
+
+    def test_else_the_largest_error(self):
+        self.assertEqual(worst.choose(self.rows(("TRACKING", 0.1), ("DEGRADED", 0.3), ("TRACKING", 0.2))), (1, "0.30 px off"))
+        self.assertIsNone(worst.choose(self.rows(("TRACKING", ""))))
+        self.assertIsNone(worst.choose([]))
+        self.assertIsNone(worst.of_run(FOLDER / "nothing_there"))
+
+    def test_options_that_choose_from_the_recording(self):
+        self.assertEqual(worst.choices_of(["--live", "--images", "sharp", "--exposure", "0", "--rectified", "--frames", "9"]),
+                         ["--images", "sharp", "--rectified"])
+
 
 class Causal(unittest.TestCase):
     def test_causal_figures_come_first(self):

@@ -1,4 +1,4 @@
-"""Programs that stand in for mba_vo_offline and mba_vo_evaluate: they do what the path of the sequence says. And a folder
+"""Programs that stand in for mba_vo_offline, mba_vo_evaluate and mba_vo_export: they do what the path of the sequence says. And a folder
 of its own for each test."""
 import os
 import pathlib
@@ -18,6 +18,7 @@ case "$1" in
 esac
 printf '%s\\n' "$@" >"$3/options.txt"
 echo 'times: {{tracking: {{per_frame_ms: 7.5}}}}' >"$3/summary.yaml"
+printf 'sequence,online_status,reason,blur_px,error_px\\n0,INITIALIZING,,,\\n1,TRACKING,,3.5,0.1\\n2,TRACKING,,4.5,0.25\\n3,TRACKING,,,0.2\\n' >"$3/frames.csv"
 """
 
 EVALUATE = """#!/bin/sh
@@ -34,16 +35,24 @@ fi
 if [ "${{7:-}}" = --plot ]; then echo picture >"$8"; fi
 """
 
+EXPORT = """#!/bin/sh
+# SEQUENCE --output FOLDER OPTION...
+case "$1" in *cannot_be_exported*) echo "no picture"; exit 1 ;; esac
+mkdir -p "$3/dso/images"
+echo "$*" >"$3/dso/options.txt"
+echo worst >"$3/dso/images/000000.png"
+"""
+
 
 class Fakes:
-    """A folder with both programs and a folder of sequences."""
+    """A folder with the programs and a folder of sequences."""
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
         self.bin, self.data = self.folder / "bin", self.folder / "data"
         self.calls, self.children = self.folder / "calls.txt", self.folder / "children.txt"
         self.bin.mkdir()
-        for name, text in (("mba_vo_offline", OFFLINE), ("mba_vo_evaluate", EVALUATE)):
+        for name, text in (("mba_vo_offline", OFFLINE), ("mba_vo_evaluate", EVALUATE), ("mba_vo_export", EXPORT)):
             file = self.bin / name
             file.write_text(text.format(calls=self.calls, children=self.children))
             file.chmod(file.stat().st_mode | stat.S_IXUSR)

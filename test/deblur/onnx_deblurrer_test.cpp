@@ -41,6 +41,7 @@ class OnnxDeblurrerTest : public testing::Test {
     OnnxDeblurConfig config;
     config.model = folder_.write("network.onnx", network);
     config.channels = channels;
+    config.gamma = 1.0;
     return config;
   }
   std::string problemWith(const OnnxDeblurConfig& config) const {
@@ -76,6 +77,30 @@ TEST_F(OnnxDeblurrerTest, WhatIsAddedToTheInputMayComeOut) {
   EXPECT_NEAR(result.image->level(0).intensity(30, 30), std::min(255.0F, 1.5F * image(30, 30)), 0.01F);
 }
 
+TEST_F(OnnxDeblurrerTest, TheNetworkSeesGammaCodedPictures) {
+  OnnxDeblurConfig config = configFor(test::onnxConvolution(1, 1, {0, 0, 0, 0, 0.5F, 0, 0, 0, 0}), 1);
+  config.mean = 0.0;
+  config.scale = 1.0;
+  config.gamma = 2.0;
+  cv::Mat1f image = texture(64, 64);
+  image(10, 10) = -3.0F;  // noise about black
+  const cv::Mat1f result = OnnxDeblurrer(config).deblur(inputOf(image)).image->level(0).intensity;
+  EXPECT_NEAR(result(30, 30), 0.25F * image(30, 30), 0.01F);  // half of the root is a quarter of the light
+  EXPECT_EQ(result(10, 10), 0.0F);
+}
+
+TEST_F(OnnxDeblurrerTest, TellsTheLengthOfTheBlurWhereDepthsAreKnown) {
+  const OnnxDeblurrer deblurrer(configFor(test::onnxConvolution(1, 1, kSame), 1));
+  DeblurInput input = inputOf(texture(101, 75));
+  input.motion.exposure = 0.02;
+  input.motion.velocity.x() = 5.0;  // [m/s]: 0.1 m, at 2 m and with 100 px per focal length 5 px
+  EXPECT_EQ(deblurrer.deblur(input).blur_px, 0.0F) << "no depth is known";
+  for (float x = 0.0F; x <= 100.0F; x += 10.0F) {
+    for (float y = 0.0F; y <= 70.0F; y += 10.0F) input.depths.push_back({{x, y}, 0.5F});
+  }
+  EXPECT_NEAR(deblurrer.deblur(input).blur_px, 5.0F, 0.01F);
+}
+
 TEST_F(OnnxDeblurrerTest, InvalidPixelsStayInvalid) {
   cv::Mat1f image = texture(64, 64);
   image(5, 6) = std::numeric_limits<float>::quiet_NaN();
@@ -100,7 +125,10 @@ TEST_F(OnnxDeblurrerTest, WrongShapesAreNamedAtOnce) {
   EXPECT_THAT(problemWith(configFor(test::onnxConvolution(3, 1, kSame), 3)),
               HasSubstr("gives 1x1x64x64 for 1x3x64x64, must be the same"));
   EXPECT_THAT(problemWith(configFor(test::onnxConvolution(3, 3, kSame), 1)),
-              HasSubstr("does not run on an image with 1"));
+              HasSubstr("does not run on an image of 64x64 px with 1 channel(s)"));
+  OnnxDeblurConfig config = configFor(test::onnxConvolution(1, 1, kSame), 1);
+  config.width = 640;
+  EXPECT_THAT(problemWith(config), HasSubstr("width is 640 and height 0, must both be"));
 }
 
 TEST_F(OnnxDeblurrerTest, IsChosenByTheConfiguration) {

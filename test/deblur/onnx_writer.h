@@ -15,6 +15,13 @@ class Message {
     varint(value);
     return *this;
   }
+  Message& real(int field, float value) {
+    varint((static_cast<std::uint64_t>(field) << 3U) | 5U);
+    char raw[sizeof(float)];
+    std::memcpy(raw, &value, sizeof(float));
+    bytes_.append(raw, sizeof(float));
+    return *this;
+  }
   Message& text(int field, const std::string& bytes) {
     varint((static_cast<std::uint64_t>(field) << 3U) | 2U);
     varint(bytes.size());
@@ -32,11 +39,13 @@ class Message {
   std::string bytes_;
 };
 
-/// Input or output of a graph: name, floats, 1 x channels x any x any.
-inline Message onnxValue(const std::string& name, std::uint64_t channels) {
+/// Input or output of a graph: name, floats, 1 x channels x height x width; 0 = any.
+inline Message onnxValue(const std::string& name, std::uint64_t channels, std::uint64_t height = 0,
+                         std::uint64_t width = 0) {
   Message shape;
   shape.message(1, Message().number(1, 1)).message(1, Message().number(1, channels));
-  shape.message(1, Message().text(2, "h")).message(1, Message().text(2, "w"));
+  shape.message(1, height > 0 ? Message().number(1, height) : Message().text(2, "h"));
+  shape.message(1, width > 0 ? Message().number(1, width) : Message().text(2, "w"));
   return Message().text(1, name).message(2, Message().message(1, Message().number(1, 1).message(2, shape)));
 }
 

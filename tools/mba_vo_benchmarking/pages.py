@@ -2,7 +2,7 @@
 import base64
 import html
 
-from . import page_tables, tables
+from . import page_tables, tables, worst
 
 STYLE = """
 body { font: 15px/1.45 sans-serif; margin: 2em auto; max-width: 75em; padding: 0 1em; color: #222 }
@@ -13,6 +13,8 @@ th { background: #f2f4f7; white-space: normal; vertical-align: bottom } td:first
 svg { max-width: 100%; height: auto } pre { background: #f2f4f7; padding: .6em; overflow-x: auto }
 """
 PLOT_NOTE = "Of the starts the one in the middle. Grey: the truth; red: published, or another system; blue: smoothed."
+WORST_NOTE = ("Of the same runs: the first image of the longest stretch without a published pose, else the one that fits its keyframe "
+              "worst; as an ideal pinhole camera sees it.")
 FILES = ("results.md", "results.html", "ate_against_blur.svg")
 
 
@@ -25,14 +27,39 @@ def _plots(results):
                 yield run.name, run.task.folder / "trajectory.png"
 
 
+def _worst(results):
+    """Captions and files of the worst frames."""
+    for sequence in results.sequences():
+        for name in results.variants():
+            run = results.typical(sequence.name, name)
+            file = worst.picture(run.task.folder) if run is not None else None
+            if file is not None:
+                index, why = worst.of_run(run.task.folder)
+                yield "%s, image %d: %s" % (run.name, run.start + index, why), file
+
+
+def _figures(pictures):
+    for caption, file in pictures:
+        picture = base64.b64encode(file.read_bytes()).decode()
+        yield ("<figure><img alt='%s' src='data:image/png;base64,%s'><figcaption>%s</figcaption></figure>\n" %
+               (html.escape(caption, quote=True), picture, html.escape(caption)))
+
+
 def as_markdown(results, command, output, curve):
     parts = ["# %s\n" % results.experiment.title, "    %s\n" % command]
     parts += [tables.markdown(table) for table in page_tables.all_tables(results)]
     if curve:
         parts.append("## ATE against blur, the curve\n\n![ATE against blur](ate_against_blur.svg)\n")
     parts.append("## Trajectories\n\n%s\n" % PLOT_NOTE)
-    parts += ["%s\n\n![%s](%s)\n" % (caption, caption, file.relative_to(output).as_posix()) for caption, file in _plots(results)]
+    parts += _links(_plots(results), output)
+    pictures = _links(_worst(results), output)
+    if pictures:
+        parts += ["## Worst frames\n\n%s\n" % WORST_NOTE] + pictures
     return "\n".join(parts)
+
+
+def _links(pictures, output):
+    return ["%s\n\n![%s](%s)\n" % (caption, caption, file.relative_to(output).as_posix()) for caption, file in pictures]
 
 
 def as_page(results, command, curve):
@@ -44,8 +71,8 @@ def as_page(results, command, curve):
     if curve:
         parts.append("<h2>ATE against blur, the curve</h2>\n%s\n" % curve[curve.index("<svg"):])
     parts.append("<h2>Trajectories</h2><p>%s</p>\n<div class=plots>\n" % PLOT_NOTE)
-    for caption, file in _plots(results):
-        picture = base64.b64encode(file.read_bytes()).decode()
-        parts.append("<figure><img alt='%s' src='data:image/png;base64,%s'><figcaption>%s</figcaption></figure>\n" %
-                     (html.escape(caption, quote=True), picture, html.escape(caption)))
+    parts += _figures(_plots(results))
+    pictures = list(_figures(_worst(results)))
+    if pictures:
+        parts += ["</div>\n<h2>Worst frames</h2><p>%s</p>\n<div class=plots>\n" % WORST_NOTE] + pictures
     return "".join(parts) + "</div></html>\n"

@@ -24,12 +24,13 @@ program, options and sequence, are not made again."""
 class Programs:
     offline: str
     evaluate: str
+    export: str
 
 
 def find_programs(folder, beside):
     """In `folder`; if that is None beside this program or on the path."""
     found = []
-    for name in ("mba_vo_offline", "mba_vo_evaluate"):
+    for name in ("mba_vo_offline", "mba_vo_evaluate", "mba_vo_export"):
         places = [str(folder)] if folder else [str(beside), *os.environ.get("PATH", "").split(os.pathsep)]
         file = shutil.which(name, path=os.pathsep.join(places))
         if file is None:

@@ -5,7 +5,7 @@ import re
 import yaml
 
 from . import experiment as experiments
-from . import figures, fingerprint, pieces
+from . import figures, fingerprint, pieces, worst
 from .errors import BenchmarkError
 from .scheduler import Task
 
@@ -74,9 +74,11 @@ def _ours(experiment, sequence, variant, start, programs, output):
                "--plot", folder / "trajectory.png", *sequence.evaluation], False
         for command in pieces.commands(programs.evaluate, folder, cut):
             yield command, True
+        for command in worst.command(programs.export, sequence.path, folder, start, options):
+            yield command, True
 
     key = fingerprint.combined([
-        fingerprint.of_program(programs.offline), options, start, config, len(cut), _truth_key(sequence, programs)])
+        fingerprint.of_program(programs.offline), fingerprint.of_program(programs.export), options, start, config, len(cut), _truth_key(sequence, programs)])
     name = "%s, %s, start %d" % (sequence.name, variant.name, start)
     folder = output / "runs" / ("%s-%s-%d" % (_slug(sequence.name), _slug(variant.name), start))
     return Run(sequence.name, variant.name, start, Task(name, folder, key, steps, prepare), figures.OURS)

@@ -14,7 +14,8 @@ PART = ".part"  # of the folder of one that has not
 class Task:
     """Programs to be run one after the other, and the folder where their results go.
 
-    `steps(folder)` gives pairs of command and whether it may fail; `prepare(folder)` writes what they need.
+    `steps(folder)` gives pairs of command and whether it may fail, each asked for when the one before has ended; `prepare(folder)`
+    writes what they need.
     """
 
     def __init__(self, name, folder, key, steps, prepare=lambda folder: None):
@@ -39,15 +40,16 @@ class _Attempt:
         shutil.rmtree(self.part, ignore_errors=True)
         self.part.mkdir(parents=True)
         task.prepare(self.part)
-        self._steps = list(task.steps(self.part))
+        self._steps = iter(task.steps(self.part))
         self._optional = False
         self.running = None
 
     def next_step(self):
         """Starts the next program; None if all are done."""
-        if not self._steps:
+        step = next(self._steps, None)
+        if step is None:
             return None
-        command, self._optional = self._steps.pop(0)
+        command, self._optional = step
         self.running = Running(command, self.part / "log.txt", self.cores)
         return self.running
 

@@ -21,4 +21,7 @@ struct GroundTruthOptions {
 /// Throws std::runtime_error naming file and line of what is missing or wrong.
 std::vector<PoseRecord> readGroundTruth(const std::string& path, const GroundTruthOptions& options = {});
 
+/// Whether there is any in the folder of a recording, for readGroundTruth.
+bool hasGroundTruth(const std::string& folder);
+
 }  // namespace mba_vo

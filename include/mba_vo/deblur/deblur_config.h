@@ -37,17 +37,24 @@ struct OnnxDeblurConfig {
   int channels = 3;
   double mean = 127.5;
   double scale = 1.0 / 127.5;
+  double gamma = 2.2;
   bool residual = false;
   int multiple_of = 32;
+  int width = 0;
+  int height = 0;
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
     v("model", c.model, "network in ONNX form");
     v("channels", c.channels, 1, 3, "of its input and output: 1 or 3");
-    v("mean", c.mean, -255.0, 255.0, "subtracted from the intensity [grey levels]");
+    v("gamma", c.gamma, 1.0, 4.0,
+      "of the pictures that the network was trained on; it sees intensity^(1/gamma), 1 = linear light");
+    v("mean", c.mean, -255.0, 255.0, "subtracted from what it sees [grey levels]");
     v("scale", c.scale, 1e-6, 1e3, "then multiplied by this [1 / grey level]");
     v("residual", c.residual, "the network gives what is to be added to its input");
     v("multiple_of", c.multiple_of, 1, 512, "sides of an image are filled up to a multiple of this [px]");
+    v("width", c.width, 0, 8192, "of the only size that the network takes: images are cut into tiles [px], 0 = any");
+    v("height", c.height, 0, 8192, "of the only size that the network takes [px], 0 = any");
   }
 };
 

@@ -6,7 +6,8 @@
 
 namespace mba_vo {
 
-/// Deblurs with a network in a file, run by OpenCV: an image goes in, an image of the same size comes out.
+/// Deblurs with a network in a file, run by OpenCV: an image goes in, an image of the same size comes out. Networks
+/// that take one size only are run on tiles.
 class OnnxDeblurrer final : public Deblurrer {
  public:
   /// Reads the network and tries it on a small image. Throws std::invalid_argument naming the file and what is wrong
@@ -18,7 +19,6 @@ class OnnxDeblurrer final : public Deblurrer {
 
  private:
   class Network;
-  OnnxDeblurConfig config_;
   std::unique_ptr<Network> network_;
 };
 
