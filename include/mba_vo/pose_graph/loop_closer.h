@@ -1,0 +1,71 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "mba_vo/pose_graph/loop_verifier.h"
+#include "mba_vo/pose_graph/place_index.h"
+
+namespace mba_vo {
+
+struct LoopConfig {
+  bool close = false;
+  int candidates = 2;
+
+  template <typename Config, typename Visitor>
+  static void describe(Config& c, Visitor& v) {
+    v("close", c.close,
+      "recognise places that were seen before and correct the smoothed trajectory by them; odometry stays as it is");
+    v("candidates", c.candidates, 1, 100, "earlier keyframes that each keyframe is compared with, the likeliest first");
+  }
+};
+
+/// A keyframe that was compared with an earlier one that looks like it.
+struct LoopTrial {
+  MapId map = 0;
+  KeyframeId older = 0;
+  KeyframeId newer = 0;
+  std::int64_t older_ns = 0;  // mid-exposure times [ns]
+  std::int64_t newer_ns = 0;
+  SE3 T_map_newer;           // by odometry
+  double correlation = 0.0;  // of their small images
+  LoopVerdict verdict;
+  double weight = 1.0;  // in the pose graph: 1 = believed, towards 0 = taken for wrong
+};
+
+/// Keeps the keyframes of a map that have left its window and finds out where the camera has come back.
+class LoopCloser {
+ public:
+  LoopCloser(const LoopConfig& config, const TrackerConfig& tracker);
+
+  /// A keyframe leaves the window: it is looked for among those that left before, and kept.
+  void add(const ArchivedKeyframeConstPtr& keyframe);
+  /// Another map begins: keyframes are forgotten, what was found stays.
+  void forgetKeyframes();
+
+  /// In the order in which they were made.
+  const std::vector<LoopTrial>& trials() const { return trials_; }
+  /// Median over the keyframes of their points' median depth, in the unit of the map.
+  double usualDepth() const;
+
+ private:
+  struct Kept {
+    ArchivedKeyframeConstPtr keyframe;
+    double median_depth = 1.0;
+  };
+  bool isElsewhere(const Kept& candidate, const ArchivedKeyframe& keyframe) const;
+  std::vector<SE3> startsFor(const PlaceCandidate& candidate, const ArchivedKeyframe& keyframe) const;
+  std::vector<LoopWitness> witnessesOf(const ArchivedKeyframe& older, const ArchivedKeyframe& newer) const;
+  void addBeside(const ArchivedKeyframe& keyframe, bool is_old, std::vector<LoopWitness>& witnesses) const;
+  /// Odometry may drift, but not by as much as that; empty if it has not.
+  std::string contradiction(const LoopTrial& trial) const;
+
+  LoopConfig config_;
+  LoopVerifier verifier_;
+  PlaceIndex index_;
+  std::map<KeyframeId, Kept> kept_;
+  std::vector<LoopTrial> trials_;
+};
+
+}  // namespace mba_vo

@@ -1,0 +1,96 @@
+#include "mba_vo/pose_graph/loop_correction.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "mba_vo/pose_graph/pose_graph.h"
+
+namespace mba_vo {
+namespace {
+
+// Standard deviations of what one keyframe is off by relative to the next, such that many of them add up to the drift.
+constexpr double kWayError = 0.003;     // of the way between the two
+constexpr double kDepthError = 0.0003;  // of the depth, besides
+constexpr double kTurnError = 0.0003;   // [rad]
+constexpr double kScaleError = 0.0005;  // of the scale
+
+constexpr double kLeastWeight = 0.1;  // of a loop that nothing contradicts
+
+Matrix7 odometryInformation(const SE3& T_from_to, double depth) {
+  Vector7 sigma;
+  sigma << Eigen::Vector3d::Constant(kWayError * T_from_to.translation().norm() + kDepthError * depth),
+      Eigen::Vector3d::Constant(kTurnError), kScaleError;
+  return sigma.cwiseProduct(sigma).cwiseInverse().asDiagonal();
+}
+
+/// Nodes are numbered as the keyframes are.
+class Numbering {
+ public:
+  explicit Numbering(const std::vector<OdometryKeyframe>& keyframes) : keyframes_(keyframes) {}
+  /// nullopt: there is no such keyframe.
+  std::optional<int> of(KeyframeId id) const {
+    const auto place = std::lower_bound(keyframes_.begin(), keyframes_.end(), id,
+                                        [](const OdometryKeyframe& k, KeyframeId wanted) { return k.id < wanted; });
+    if (place == keyframes_.end() || place->id != id) return std::nullopt;
+    return static_cast<int>(place - keyframes_.begin());
+  }
+
+ private:
+  const std::vector<OdometryKeyframe>& keyframes_;
+};
+
+/// Each keyframe hangs on the one that it was last known relative to.
+std::vector<GraphEdge> odometryEdges(const std::vector<OdometryKeyframe>& keyframes, double depth) {
+  const Numbering numbers(keyframes);
+  std::vector<GraphEdge> edges;
+  std::optional<int> next;  // in time, of those that hang on none
+  for (int n = static_cast<int>(keyframes.size()) - 1; n >= 0; --n) {
+    const OdometryKeyframe& keyframe = keyframes[static_cast<std::size_t>(n)];
+    const std::optional<int> to = keyframe.base ? numbers.of(*keyframe.base) : next;
+    if (!keyframe.base) next = n;
+    if (!to) continue;
+    GraphEdge edge;
+    edge.from = n;
+    edge.to = *to;
+    const SE3 T = keyframe.T_map_keyframe.inverse() * keyframes[static_cast<std::size_t>(*to)].T_map_keyframe;
+    edge.S_from_to = Sim3(T);
+    edge.information = odometryInformation(T, depth);
+    edges.push_back(edge);
+  }
+  return edges;
+}
+
+}  // namespace
+
+CorrectedPoses correctByLoops(const std::vector<OdometryKeyframe>& keyframes, const std::vector<LoopTrial*>& loops,
+                              double depth) {
+  const Numbering numbers(keyframes);
+  std::vector<GraphEdge> edges = odometryEdges(keyframes, depth);
+  const std::size_t first_loop = edges.size();
+  std::vector<LoopTrial*> told;  // of keyframes whose poses have not been forgotten
+  for (LoopTrial* loop : loops) {
+    const std::optional<int> from = numbers.of(loop->older), to = numbers.of(loop->newer);
+    if (!from || !to) continue;
+    edges.push_back({*from, *to, loop->verdict.S_old_new, loop->verdict.covariance.inverse(), true});
+    told.push_back(loop);
+  }
+  if (told.empty()) return {};
+  std::vector<Sim3> nodes;
+  for (const OdometryKeyframe& keyframe : keyframes) nodes.emplace_back(keyframe.T_map_keyframe);
+  const PoseGraphSummary summary = PoseGraph(std::move(nodes), std::move(edges)).optimize();
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    told[i]->weight = summary.weights[first_loop + i];
+    if (told[i]->weight < kLeastWeight)
+      told[i]->verdict.rejected_because = "the other loops and odometry contradict it";
+  }
+  const double size = 1.0 / summary.nodes.back().scale();
+  const Eigen::Vector3d origin = summary.nodes.front().translation();
+  CorrectedPoses corrected;
+  for (std::size_t n = 0; n < keyframes.size(); ++n) {
+    const Sim3& S = summary.nodes[n];
+    corrected[keyframes[n].id] = Sim3(SE3(S.rotation(), origin + size * (S.translation() - origin)), size * S.scale());
+  }
+  return corrected;
+}
+
+}  // namespace mba_vo
