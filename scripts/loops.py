@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Judges the loops of a run by true poses: loops.py SEQUENCE RUN [--depth METRES]
+"""Judges the loops of a run by true poses: loops.py SEQUENCE RUN [--depth METRES] [--drift]
 
 SEQUENCE has groundtruth.txt; RUN is what mba_vo_offline wrote with `mapper: {loops: {close: true}}`. Tells
 
@@ -8,6 +8,9 @@ SEQUENCE has groundtruth.txt; RUN is what mba_vo_offline wrote with `mapper: {lo
   candidates    how many of the pairs compared show one place
   recall        of the keyframes at a place where an earlier one has been, within 20 % of the depth and 30 degrees, how
                 many were compared with one there, how many closed a loop, and how many had one closed within 2 s
+
+--drift: instead, what a run without loops is off by between keyframes: root mean square for one keyframe, if the errors
+of so many add up at random.
 
 Depth: what the camera usually sees lies at [m]; default: 2.5.
 """
@@ -108,18 +111,39 @@ def print_recall(rows, keyframes, truth, depth):
           count([closed.get(t, False) for t in returns]), ", closed within 2 s", count([near(t, closed) for t in returns]))
 
 
+def print_drift(truth, run, keyframes):
+    smoothed = np.loadtxt(os.path.join(run, "trajectory.txt"))
+    estimate = Poses(smoothed)
+    times = np.array([t for t in keyframes if smoothed[0, 0] + 1.0 < t < smoothed[-1, 0] - 1.0])
+    units = np.array([metres_per_unit(truth, smoothed, t) for t in times])
+    for steps in (1, 4, 16):
+        errors = []
+        for older, newer in zip(times[:-steps], times[steps:]):
+            t, turn = relative(truth, older, newer)
+            found, found_turn = relative(estimate, older, newer)
+            errors.append([np.linalg.norm(np.median(units) * found - t), (turn.inv() * found_turn).magnitude()])
+        translation, rotation = np.sqrt(np.mean(np.square(errors), axis=0) / 3.0 / steps)
+        scale = np.std(np.log(units[steps:] / units[:-steps])) / np.sqrt(steps)
+        print(f"{steps:3d} keyframes: {1e3 * translation:.2f} mm, {1e3 * rotation:.3f} mrad on each axis, "
+              f"{100 * scale:.3f} % of the scale")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sequence")
     parser.add_argument("run")
     parser.add_argument("--depth", type=float, default=2.5)
+    parser.add_argument("--drift", action="store_true")
     a = parser.parse_args()
     truth = Poses(np.loadtxt(os.path.join(a.sequence, "groundtruth.txt")))
+    with open(os.path.join(a.run, "keyframes.csv"), encoding="utf-8") as file:
+        keyframes = [float(row["time"]) for row in csv.DictReader(file)]
+    if a.drift:
+        print_drift(truth, a.run, keyframes)
+        return
     online = np.loadtxt(os.path.join(a.run, "online_trajectory.txt"))
     with open(os.path.join(a.run, "loops.csv"), encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    with open(os.path.join(a.run, "keyframes.csv"), encoding="utf-8") as file:
-        keyframes = [float(row["time"]) for row in csv.DictReader(file)]
     closed = [row for row in rows if row["rejected_because"] == ""]
     print_errors(closed, truth, online, a.depth)
     print_recall(rows, keyframes, truth, a.depth)

@@ -136,7 +136,7 @@ void LocalMap::marginalizeKeyframes() {
 }
 
 ArchivedKeyframeConstPtr LocalMap::archive(KeyframeId keyframe) const {
-  return std::make_shared<const ArchivedKeyframe>(*makeReference(keyframe), *frame(keyframe));
+  return archiveForLoops(*makeReference(keyframe), *frame(keyframe));
 }
 
 std::vector<ArchivedKeyframeConstPtr> LocalMap::archived() const {

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kLeastCorrelation = 0.5;  // of small images, worth a comparison
 constexpr double kLeastAway = 2.0;         // [s] since the older keyframe: before, it is the window's affair
+constexpr std::size_t kLeastKept = 3;      // keyframes, whatever the memory
 constexpr KeyframeId kBeside = 12;         // keyframes on either side that may be witnesses
 constexpr std::size_t kWitnessesASide = 3;
 constexpr double kDrift = 0.1;         // of the way between the two, that odometry may be off by
@@ -28,6 +29,7 @@ LoopCloser::LoopCloser(const LoopConfig& config, const TrackerConfig& tracker) :
 
 void LoopCloser::forgetKeyframes() {
   kept_.clear();
+  bytes_ = 0;
   index_ = {};
 }
 
@@ -59,8 +61,35 @@ void LoopCloser::add(const ArchivedKeyframeConstPtr& keyframe) {
     trials_.push_back(std::move(trial));
     if (trials_.back().verdict.accepted()) break;
   }
+  keep(keyframe, descriptor);
+}
+
+void LoopCloser::keep(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescriptor& descriptor) {
+  const KeyframeId id = keyframe->reference.id.keyframe_id;
   index_.add(id, descriptor);
+  bytes_ += bytesOf(*keyframe) + sizeof(PlaceDescriptor);
   kept_.insert_or_assign(id, Kept{keyframe, medianDepth(keyframe->reference)});
+  while (1e-6 * static_cast<double>(bytes_) > config_.max_megabytes && kept_.size() > kLeastKept) dropMostRedundant();
+}
+
+/// The one whose neighbours in time are nearest to it, in place and view.
+void LoopCloser::dropMostRedundant() {
+  const double depth = usualDepth();
+  const auto between = [&](const Kept& l, const Kept& r) {
+    const Vector6 way = (l.keyframe->reference.T_map_reference.inverse() * r.keyframe->reference.T_map_reference).log();
+    return way.head<3>().norm() / depth + way.tail<3>().norm();
+  };
+  auto redundant = std::next(kept_.begin());
+  double least = HUGE_VAL;
+  for (auto k = std::next(kept_.begin()); std::next(k) != kept_.end(); ++k) {
+    const double way = between(std::prev(k)->second, k->second) + between(k->second, std::next(k)->second);
+    if (way >= least) continue;
+    least = way;
+    redundant = k;
+  }
+  bytes_ -= bytesOf(*redundant->second.keyframe) + sizeof(PlaceDescriptor);
+  index_.remove(redundant->first);
+  kept_.erase(redundant);
 }
 
 bool LoopCloser::isElsewhere(const Kept& candidate, const ArchivedKeyframe& keyframe) const {

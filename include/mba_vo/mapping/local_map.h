@@ -12,7 +12,7 @@
 #include "mba_vo/mapping/calibration_estimator.h"
 #include "mba_vo/mapping/keyframe_report.h"
 #include "mba_vo/mapping/mapper_config.h"
-#include "mba_vo/pose_graph/loop_verifier.h"
+#include "mba_vo/pose_graph/loop_keyframe.h"
 #include "mba_vo/trajectory/pose_interpolation.h"
 #include "mba_vo/trajectory/trajectory_store.h"
 #include "mba_vo/window/window.h"

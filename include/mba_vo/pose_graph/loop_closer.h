@@ -12,12 +12,15 @@ namespace mba_vo {
 struct LoopConfig {
   bool close = false;
   int candidates = 2;
+  double max_megabytes = 300.0;
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
     v("close", c.close,
       "recognise places that were seen before and correct the smoothed trajectory by them; odometry stays as it is");
     v("candidates", c.candidates, 1, 100, "earlier keyframes that each keyframe is compared with, the likeliest first");
+    v("max_megabytes", c.max_megabytes, 1.0, 1e6,
+      "memory for keyframes that places are recognised by; those that say what others say go first [MB]");
   }
 };
 
@@ -46,6 +49,8 @@ class LoopCloser {
 
   /// In the order in which they were made.
   const std::vector<LoopTrial>& trials() const { return trials_; }
+  /// What the keyframes that are kept take.
+  std::size_t bytes() const { return bytes_; }
   /// Median over the keyframes of their points' median depth, in the unit of the map.
   double usualDepth() const;
 
@@ -54,6 +59,8 @@ class LoopCloser {
     ArchivedKeyframeConstPtr keyframe;
     double median_depth = 1.0;
   };
+  void keep(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescriptor& descriptor);
+  void dropMostRedundant();
   bool isElsewhere(const Kept& candidate, const ArchivedKeyframe& keyframe) const;
   std::vector<SE3> startsFor(const PlaceCandidate& candidate, const ArchivedKeyframe& keyframe) const;
   std::vector<LoopWitness> witnessesOf(const ArchivedKeyframe& older, const ArchivedKeyframe& newer) const;
@@ -65,6 +72,7 @@ class LoopCloser {
   LoopVerifier verifier_;
   PlaceIndex index_;
   std::map<KeyframeId, Kept> kept_;
+  std::size_t bytes_ = 0;  // of kept_
   std::vector<LoopTrial> trials_;
 };
 

@@ -7,12 +7,10 @@
 
 #include "mba_vo/geometry/sim3.h"
 #include "mba_vo/pose_graph/depth_ratio.h"
-#include "mba_vo/relocalization/keyframe_archive.h"
+#include "mba_vo/pose_graph/loop_keyframe.h"
 #include "mba_vo/tracking/tracker.h"
 
 namespace mba_vo {
-
-using ArchivedKeyframeConstPtr = std::shared_ptr<const ArchivedKeyframe>;
 
 /// A keyframe beside one of the two that are compared, whose images took no part in finding how these stand to each
 /// other.
