@@ -1,5 +1,6 @@
 #include "mba_vo/mapping/loop_closing.h"
 
+#include <limits>
 #include <optional>
 #include <set>
 #include <utility>
@@ -7,8 +8,21 @@
 #include "mba_vo/mapping/local_map.h"
 
 namespace mba_vo {
-LoopClosing::LoopClosing(const MapperConfig& config)
-    : queue_(config.loops.close ? std::make_unique<LoopQueue>(config.loops, config.tracker) : nullptr) {}
+namespace {
+
+constexpr std::size_t kMostWaiting = 100;  // keyframes: 10 MB, and half a minute's work
+
+std::unique_ptr<LoopQueue> queueFor(const MapperConfig& config) {
+  if (!config.loops.close) return nullptr;
+  const std::size_t most = config.deterministic ? std::numeric_limits<std::size_t>::max() : kMostWaiting;
+  return std::make_unique<LoopQueue>(config.loops, config.tracker, most);
+}
+
+}  // namespace
+
+LoopClosing::LoopClosing(const MapperConfig& config) : queue_(queueFor(config)) {}
+
+LoopCounts LoopClosing::counts() const { return queue_ ? queue_->counts() : LoopCounts(); }
 
 void LoopClosing::follow(LocalMap& map) {
   if (!queue_) return;

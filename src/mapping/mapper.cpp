@@ -156,5 +156,6 @@ std::optional<CalibrationCorrection> Mapper::correction() const { return impl_->
 std::optional<CalibrationCorrection> Mapper::settledCorrection() const { return impl_->settledCorrection(); }
 std::vector<MapPoint> Mapper::points() const { return impl_->points(); }
 DeblurCounts Mapper::deblurCounts() const { return impl_->deblurCounts(); }
+LoopCounts Mapper::loopCounts() const { return impl_->loopCounts(); }
 
 }  // namespace mba_vo

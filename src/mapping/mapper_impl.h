@@ -37,6 +37,7 @@ class Mapper::Impl {
   const TrajectoryStore& store() const { return store_; }
   std::vector<MapPoint> points() const { return map_ ? map_->points() : std::vector<MapPoint>(); }
   DeblurCounts deblurCounts() const { return deblurring_.counts(); }
+  LoopCounts loopCounts() const { return loops_.counts(); }
 
  private:
   /// A frame that is no newer than the last one was tracked again: its pose is better now, the map has it already.

@@ -29,6 +29,7 @@ class LoopClosing {
   void close(const LocalMap& map);
   /// The keyframes of the map are no more.
   void forgetMap();
+  LoopCounts counts() const;
 
   /// Waits for what has been found. `map`: the current one, or null, whose keyframes are looked for, too.
   SmoothedTrajectory smoothed(const TrajectoryStore& store, const LocalMap* map) const;

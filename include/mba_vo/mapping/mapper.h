@@ -79,6 +79,8 @@ class Mapper {
   std::vector<MapPoint> points() const;
   /// What became of the keyframes that were to be deblurred, in all maps.
   DeblurCounts deblurCounts() const;
+  /// What has come of the search for loops, without waiting for what is under way.
+  LoopCounts loopCounts() const;
 
  private:
   class Impl;
