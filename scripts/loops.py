@@ -23,7 +23,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 FALSE_TRANSLATION, FALSE_DEGREES, FALSE_SCALE = 0.05, 2.0, 0.05  # of the depth; degrees; logarithm
 PLACE_TRANSLATION, PLACE_DEGREES = 0.2, 30.0  # of the depth; degrees: what counts as the same place
-LEAST_AWAY = 2.0  # [s] since an earlier keyframe that counts
+LEAST_AWAY = 4.0  # [s] since an earlier keyframe that counts
 IN_TIME = 2.0  # [s] until a return should be known
 SCALE_WINDOW = 1.0  # [s] on either side, in which the unit of length is measured
 

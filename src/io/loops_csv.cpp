@@ -17,8 +17,9 @@ void writeLoops(const std::vector<LoopTrial>& loops, std::ostream& out) {
     const Eigen::Vector3d& t = v.S_old_new.translation();
     const Eigen::Quaterniond& q = v.S_old_new.rotation();
     out << loop.map << "," << loop.older << "," << loop.newer << "," << formatSeconds(loop.older_ns) << ","
-        << formatSeconds(loop.newer_ns) << "," << loop.correlation << "," << t.x() << "," << t.y() << "," << t.z()
-        << "," << q.x() << "," << q.y() << "," << q.z() << "," << q.w() << "," << std::log(v.S_old_new.scale());
+        << formatSeconds(loop.newer_ns) << "," << loop.correlation.value_or(std::nan("")) << "," << t.x() << ","
+        << t.y() << "," << t.z() << "," << q.x() << "," << q.y() << "," << q.z() << "," << q.w() << ","
+        << std::log(v.S_old_new.scale());
     for (int i = 0; i < 7; ++i) out << "," << std::sqrt(v.covariance(i, i));
     out << "," << v.pixel_error << "," << v.disagreement_px << "," << v.by_depths.log_scale << "," << v.by_depths.sigma
         << "," << v.by_translations.log_scale << "," << v.by_translations.sigma << "," << v.witnesses << ","

@@ -16,7 +16,7 @@ constexpr double kLargestDepthSigma = 0.05;  // of a point that is used, relativ
 constexpr int kRounds = 3;                   // the scale decides where points are seen
 constexpr double kNormalSpread = 1.4826;     // standard deviation over the median absolute deviation
 constexpr double kIndependentPart = 0.1;     // of the points: neighbours share their errors
-constexpr double kLeastSigma = 0.002;        // what depths of one keyframe have wrong in common
+constexpr double kLeastSigma = 0.003;        // what depths of one keyframe have wrong in common
 
 bool isKnown(const ReferencePoint& point) {
   return point.inverse_depth > 0.0F &&

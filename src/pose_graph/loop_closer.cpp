@@ -12,9 +12,11 @@ namespace mba_vo {
 namespace {
 
 constexpr double kLeastCorrelation = 0.5;  // of small images, worth a comparison
-constexpr double kLeastAway = 2.0;         // [s] since the older keyframe: before, it is the window's affair
-constexpr std::size_t kLeastKept = 3;      // keyframes, whatever the memory
-constexpr KeyframeId kBeside = 12;         // keyframes on either side that may be witnesses
+constexpr double kLeastAway = 4.0;         // [s] since the older keyframe: before, it is the window's affair
+constexpr double kNearby = 0.3;      // [median depths] to the nearest keyframe, by odometry, if they look the same way
+constexpr double kNearbyTurn = 0.7;  // [rad] between the two, if they are at the same place
+constexpr std::size_t kLeastKept = 3;  // keyframes, whatever the memory
+constexpr KeyframeId kBeside = 12;     // keyframes on either side that may be witnesses
 constexpr std::size_t kWitnessesASide = 3;
 constexpr double kDrift = 0.1;         // of the way between the two, that odometry may be off by
 constexpr double kDriftAtOnce = 0.3;   // [median depths], besides
@@ -43,10 +45,7 @@ void LoopCloser::add(const ArchivedKeyframeConstPtr& keyframe) {
   const KeyframeId id = keyframe->reference.id.keyframe_id;
   const FrameConstPtr frame = keyframe->restoreFrame();
   const PlaceDescriptor descriptor(frame->pyramid);
-  const auto wanted = [&](KeyframeId other) { return isElsewhere(kept_.at(other), *keyframe); };
-  for (const PlaceCandidate& candidate :
-       index_.search(descriptor, static_cast<std::size_t>(config_.candidates), wanted)) {
-    if (candidate.correlation < kLeastCorrelation) break;
+  for (const Candidate& candidate : candidatesFor(*keyframe, descriptor)) {
     const ArchivedKeyframeConstPtr& older = kept_.at(candidate.keyframe).keyframe;
     LoopTrial trial;
     trial.map = keyframe->reference.id.map_id;
@@ -56,7 +55,7 @@ void LoopCloser::add(const ArchivedKeyframeConstPtr& keyframe) {
     trial.newer_ns = keyframe->reference.mid_exposure_ns;
     trial.T_map_newer = keyframe->reference.T_map_reference;
     trial.correlation = candidate.correlation;
-    trial.verdict = verifier_.verify(older, keyframe, startsFor(candidate, *keyframe), witnessesOf(*older, *keyframe));
+    trial.verdict = verifier_.verify(older, keyframe, candidate.starts, witnessesOf(*older, *keyframe));
     if (trial.verdict.accepted()) trial.verdict.rejected_because = contradiction(trial);
     trials_.push_back(std::move(trial));
     if (trials_.back().verdict.accepted()) break;
@@ -99,13 +98,44 @@ bool LoopCloser::isElsewhere(const Kept& candidate, const ArchivedKeyframe& keyf
          keyframe.reference.T_map_keyframe.count(candidate.keyframe->reference.id.keyframe_id) == 0;
 }
 
-/// Where odometry believes it to be, and turned as the small images tell.
-std::vector<SE3> LoopCloser::startsFor(const PlaceCandidate& candidate, const ArchivedKeyframe& keyframe) const {
-  const ArchivedKeyframe& older = *kept_.at(candidate.keyframe).keyframe;
-  Vector6 turn = Vector6::Zero();
-  turn(3) = -std::atan2(candidate.shift_px.y(), older.camera.fy);
-  turn(4) = std::atan2(candidate.shift_px.x(), older.camera.fx);
-  return {older.reference.T_map_reference.inverse() * keyframe.reference.T_map_reference, SE3::exp(turn)};
+SE3 LoopCloser::byOdometry(const ArchivedKeyframe& older, const ArchivedKeyframe& newer) {
+  return older.reference.T_map_reference.inverse() * newer.reference.T_map_reference;
+}
+
+/// Where odometry leads, and, as that drifts, those that look alike wherever they are.
+std::vector<LoopCloser::Candidate> LoopCloser::candidatesFor(const ArchivedKeyframe& keyframe,
+                                                             const PlaceDescriptor& descriptor) const {
+  std::vector<Candidate> candidates;
+  if (const std::optional<Candidate> nearest = nearestByOdometry(keyframe)) candidates.push_back(*nearest);
+  const auto wanted = [&](KeyframeId id) { return isElsewhere(kept_.at(id), keyframe); };
+  for (const PlaceCandidate& alike : index_.search(descriptor, static_cast<std::size_t>(config_.candidates), wanted)) {
+    if (alike.correlation < kLeastCorrelation) break;
+    if (!candidates.empty() && candidates.front().keyframe == alike.keyframe) {
+      candidates.front().correlation = alike.correlation;
+      continue;
+    }
+    const ArchivedKeyframe& older = *kept_.at(alike.keyframe).keyframe;
+    Vector6 turn = Vector6::Zero();
+    turn(3) = -std::atan2(alike.shift_px.y(), older.camera.fy);
+    turn(4) = std::atan2(alike.shift_px.x(), older.camera.fx);
+    candidates.push_back({alike.keyframe, alike.correlation, {SE3::exp(turn), byOdometry(older, keyframe)}});
+  }
+  return candidates;
+}
+
+std::optional<LoopCloser::Candidate> LoopCloser::nearestByOdometry(const ArchivedKeyframe& keyframe) const {
+  const double depth = usualDepth();
+  std::optional<Candidate> nearest;
+  double least = 1.0;
+  for (const auto& [id, kept] : kept_) {
+    if (!isElsewhere(kept, keyframe)) continue;
+    const SE3 T = byOdometry(*kept.keyframe, keyframe);
+    const double away = T.translation().norm() / (kNearby * depth) + T.log().tail<3>().norm() / kNearbyTurn;
+    if (away >= least) continue;
+    least = away;
+    nearest = Candidate{id, std::nullopt, {T}};
+  }
+  return nearest;
 }
 
 /// Other keyframes nearby in time, the nearest first: only those are told by odometry exactly enough.

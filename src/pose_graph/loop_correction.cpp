@@ -16,6 +16,7 @@ constexpr double kTurnError = 0.0001;   // [rad]
 constexpr double kScaleError = 0.0005;  // of the scale
 
 constexpr double kLeastWeight = 0.1;     // of a loop that nothing contradicts
+constexpr KeyframeId kStretch = 5;       // keyframes, that share depths
 constexpr double kBelievedWeight = 0.5;  // of one that counts as believed
 constexpr double kBelievedShare =
     0.9;                             // of the loops: if fewer are believed, it is the odometry that is worse than usual
@@ -66,6 +67,14 @@ std::vector<GraphEdge> odometryEdges(const std::vector<OdometryKeyframe>& keyfra
   return edges;
 }
 
+/// Loops between the same two stretches of the way, itself counted: they share what depths have wrong there.
+std::ptrdiff_t countAlike(const LoopTrial& loop, const std::vector<LoopTrial*>& loops) {
+  const auto near = [](KeyframeId l, KeyframeId r) { return (l > r ? l - r : r - l) <= kStretch; };
+  return std::count_if(loops.begin(), loops.end(), [&](const LoopTrial* other) {
+    return near(loop.older, other->older) && near(loop.newer, other->newer);
+  });
+}
+
 /// With the least drift at which most loops are believed: they have been verified by images, the odometry has not.
 PoseGraphSummary optimizeWithDrift(const std::vector<OdometryKeyframe>& keyframes, const std::vector<GraphEdge>& loops,
                                    double depth) {
@@ -98,7 +107,8 @@ CorrectedPoses correctByLoops(const std::vector<OdometryKeyframe>& keyframes, co
   for (LoopTrial* loop : loops) {
     const std::optional<int> from = numbers.of(loop->older), to = numbers.of(loop->newer);
     if (!from || !to) continue;
-    loop_edges.push_back({*from, *to, loop->verdict.S_old_new, loop->verdict.covariance.inverse(), true});
+    const Matrix7 information = loop->verdict.covariance.inverse() / static_cast<double>(countAlike(*loop, loops));
+    loop_edges.push_back({*from, *to, loop->verdict.S_old_new, information, true});
     told.push_back(loop);
   }
   if (told.empty()) return {};

@@ -15,6 +15,7 @@ using D = PlaceDescriptor;
 
 constexpr double kBlur = 0.7;               // [px of either image]: hides that views are not shifted by whole pixels
 constexpr double kLeastContrast = 0.02;     // of the mean brightness; below it there is only noise
+constexpr double kSharePower = 0.25;        // of what both show, by which likeness is multiplied: found on hand_office
 constexpr int kFinerSteps = 2;              // [px of the finer image] around the best coarse shift
 constexpr std::size_t kComparedFinely = 8;  // so many times as many keyframes as are asked for
 
@@ -73,7 +74,9 @@ double correlation(const cv::Mat1f& view, const cv::Mat1f& other, const cv::Poin
   const double norms = static_cast<double>(a.norm) * static_cast<double>(b.norm);
   if (!(norms > 0.0)) return -1.0;
   const double means = static_cast<double>(a.mean) * static_cast<double>(b.mean) * here.area();
-  return (view(here).dot(other(here + shift)) - means) / norms;
+  // What is small is easily alike.
+  const double share = static_cast<double>(here.area()) / static_cast<double>(view.total());
+  return std::pow(share, kSharePower) * (view(here).dot(other(here + shift)) - means) / norms;
 }
 
 /// The best shift near a coarse one.

@@ -10,7 +10,7 @@ namespace mba_vo {
 namespace {
 
 constexpr double kExposure = 0.03;  // [s] of 37 ms between frames
-constexpr int kFrames = 90;         // there; then all back again
+constexpr int kFrames = 120;        // there; then all back again
 
 /// A walk, and the same walk backwards: a blurred image looks the same either way.
 struct ThereAndBack {

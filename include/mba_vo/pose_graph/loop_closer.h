@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,8 @@ struct LoopTrial {
   KeyframeId newer = 0;
   std::int64_t older_ns = 0;  // mid-exposure times [ns]
   std::int64_t newer_ns = 0;
-  SE3 T_map_newer;           // by odometry
-  double correlation = 0.0;  // of their small images
+  SE3 T_map_newer;                    // by odometry
+  std::optional<double> correlation;  // of their small images; nullopt: odometry led there
   LoopVerdict verdict;
   double weight = 1.0;  // in the pose graph: 1 = believed, towards 0 = taken for wrong
 };
@@ -62,7 +63,16 @@ class LoopCloser {
   void keep(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescriptor& descriptor);
   void dropMostRedundant();
   bool isElsewhere(const Kept& candidate, const ArchivedKeyframe& keyframe) const;
-  std::vector<SE3> startsFor(const PlaceCandidate& candidate, const ArchivedKeyframe& keyframe) const;
+  /// A keyframe that may show the same place, and where the camera would be relative to it.
+  struct Candidate {
+    KeyframeId keyframe = 0;
+    std::optional<double> correlation;  // of the small images; nullopt: it was not looked at
+    std::vector<SE3> starts;            // T_old_new
+  };
+  std::vector<Candidate> candidatesFor(const ArchivedKeyframe& keyframe, const PlaceDescriptor& descriptor) const;
+  std::optional<Candidate> nearestByOdometry(const ArchivedKeyframe& keyframe) const;
+  /// T_old_new.
+  static SE3 byOdometry(const ArchivedKeyframe& older, const ArchivedKeyframe& newer);
   std::vector<LoopWitness> witnessesOf(const ArchivedKeyframe& older, const ArchivedKeyframe& newer) const;
   void addBeside(const ArchivedKeyframe& keyframe, bool is_old, std::vector<LoopWitness>& witnesses) const;
   /// Odometry may drift, but not by as much as that; empty if it has not.
