@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mba_vo/pose_graph/place_index.h"
 #include "pose_graph/rendered_keyframes.h"
 
 namespace mba_vo {
@@ -104,6 +105,42 @@ TEST(LoopVerifier, WitnessesMayContradict) {
   visit.witnesses.resize(1);
   EXPECT_NE(visit.verify().rejected_because.find("too few other keyframes"), std::string::npos)
       << visit.verify().rejected_because;
+}
+
+/// Rooms of one style: walls, shelves, desks and pictures, in other places. For every view of a room, those of all
+/// other rooms that look most like it.
+TEST(LoopVerifier, RoomsOfTheSameStyleAreNotTakenForEachOther) {
+  constexpr int kRooms = 5, kViews = 6;
+  PlaceIndex index;
+  std::vector<ArchivedKeyframeConstPtr> keyframes;
+  std::vector<std::vector<LoopWitness>> beside(kRooms * kViews);
+  std::shared_ptr<const Simulator> room;
+  for (int i = 0; i < kRooms * kViews; ++i) {
+    if (i % kViews == 0) {
+      const auto scene = std::make_shared<const Scene>(makeRoom(20 + i / kViews));
+      room = std::make_shared<const Simulator>(test::roomConfig(), scene);
+    }
+    const SE3 T = moved(room->pose(1.0), 0.0, 0.0, 0.0, 60.0 * (i % kViews));
+    const auto id = static_cast<KeyframeId>(i);
+    keyframes.push_back(makeKeyframe({id, 1.0 * i, T, {}, std::nullopt, 1.0}, *room));
+    for (const double step : {0.1, -0.1}) {
+      const SE3 T_beside = moved(SE3(), step, 0.0, 0.05, 20.0 * step);
+      beside[id].push_back({makeKeyframe({id + 100, 1.0 * i, T * T_beside, {}, std::nullopt, 1.0}, *room), T_beside});
+    }
+    index.add(id, PlaceDescriptor(keyframes.back()->restoreFrame()->pyramid));
+  }
+  const LoopVerifier verifier{TrackerConfig()};
+  for (int i = 0; i < kRooms * kViews; ++i) {
+    const auto elsewhere = [&](KeyframeId id) { return static_cast<int>(id) / kViews != i / kViews; };
+    const PlaceDescriptor seen(keyframes[static_cast<std::size_t>(i)]->restoreFrame()->pyramid);
+    for (const PlaceCandidate& alike : index.search(seen, 2, elsewhere)) {
+      const double fx = test::roomSimulator().camera().fx;
+      const SE3 start = moved(SE3(), 0.0, 0.0, 0.0, std::atan2(alike.shift_px.x(), fx) * 180.0 / M_PI);
+      const LoopVerdict verdict = verifier.verify(keyframes[alike.keyframe], keyframes[static_cast<std::size_t>(i)],
+                                                  {start}, beside[alike.keyframe]);
+      EXPECT_FALSE(verdict.accepted()) << "views " << i << " and " << alike.keyframe;
+    }
+  }
 }
 
 }  // namespace
