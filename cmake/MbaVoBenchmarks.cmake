@@ -9,6 +9,10 @@ add_executable(window_benchmark bench/window_benchmark.cpp)
 mba_vo_options(window_benchmark)
 target_link_libraries(window_benchmark PRIVATE mba_vo_window benchmark::benchmark)
 
+add_executable(pose_graph_benchmark bench/pose_graph_benchmark.cpp)
+mba_vo_options(pose_graph_benchmark)
+target_link_libraries(pose_graph_benchmark PRIVATE mba_vo_pose_graph benchmark::benchmark)
+
 add_executable(deblur_benchmark bench/deblur_benchmark.cpp)
 mba_vo_options(deblur_benchmark)
 target_link_libraries(deblur_benchmark PRIVATE mba_vo_deblur mba_vo_simulation benchmark::benchmark)

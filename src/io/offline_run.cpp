@@ -185,7 +185,9 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
   }
   result.correction = run.correction();
   result.settled_correction = run.mapper().settledCorrection();
-  result.trajectory = run.mapper().finishedTrajectory();
+  SmoothedTrajectory smoothed = run.mapper().smoothedTrajectory();
+  result.trajectory = std::move(smoothed.entries);
+  result.loops = std::move(smoothed.loops);
   result.points = run.mapper().points();
   result.deblurring = run.mapper().deblurCounts();
   result.machine = run.machine();

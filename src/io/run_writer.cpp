@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iomanip>
@@ -10,6 +11,7 @@
 
 #include "mba_vo/image/static_overlay.h"
 #include "mba_vo/io/frames_csv.h"
+#include "mba_vo/io/loops_csv.h"
 #include "mba_vo/io/points_file.h"
 #include "mba_vo/io/trajectory_writer.h"
 #include "mba_vo/odometry/config_yaml.h"
@@ -43,6 +45,13 @@ void writeDeblurring(const DeblurCounts& counts, std::ostream& out) {
       << ", sharpened: " << counts.sharpened << ", in_map: " << counts.in_map << ", unsuited: " << counts.unsuited
       << ", passed_over: " << counts.passed_over << ", too_slow: " << counts.too_slow
       << ", forgotten: " << counts.forgotten << ", unsuited_reason: " << yamlQuoted(counts.unsuited_reason) << "}\n";
+}
+
+void writeLoopCounts(const std::vector<LoopTrial>& loops, std::ostream& out) {
+  if (loops.empty()) return;
+  const auto closed =
+      std::count_if(loops.begin(), loops.end(), [](const LoopTrial& loop) { return loop.verdict.accepted(); });
+  out << "loops: {compared: " << loops.size() << ", closed: " << closed << "}\n";
 }
 
 void writeStage(std::ostream& out, const char* name, double seconds, std::size_t frames) {
@@ -89,6 +98,7 @@ void writeSummary(const OfflineResult& result, const std::vector<std::pair<std::
   out << "maps: " << counts.maps << "\n";
   out << "metric_maps: " << counts.metric_maps << "\n";
   writeDeblurring(result.deblurring, out);
+  writeLoopCounts(result.loops, out);
   out << "static_overlay: " << shareOf(result.overlay) << "\n";
   writeCalibration(result, out);
   if (std::isfinite(result.exposure.log_sigma)) {
@@ -125,6 +135,7 @@ void writeRun(const std::string& folder, const OfflineResult& result,
   write("points.txt", [&](std::ostream& out) { writePoints(result.points, out); });
   write("frames.csv", [&](std::ostream& out) { writeFrames(result.log.frames(), out); });
   write("keyframes.csv", [&](std::ostream& out) { writeKeyframes(result.log.keyframes(), out); });
+  if (!result.loops.empty()) write("loops.csv", [&](std::ostream& out) { writeLoops(result.loops, out); });
   write("machine.yaml", [&](std::ostream& out) { writeConfig(result.machine, out); });
   write("summary.yaml", [&](std::ostream& out) { writeSummary(result, settings, out); });
 }

@@ -140,7 +140,10 @@ MapperOutput Mapper::Impl::handleLost(const TrackedFrame& frame, bool has_time) 
 
 MapperOutput Mapper::Impl::goOnFrom(const Relocalizer::Found& found, MapperOutput output) {
   const bool departed = !map_->has(found.keyframe);
-  if (departed) map_ = recovery_.windowAt(found, *map_, store_, *calibration_);
+  if (departed) {
+    loops_.close(*map_);
+    map_ = recovery_.windowAt(found, *map_, store_, *calibration_);
+  }
   const KeyframeId keyframe = departed ? map_->newestKeyframe() : found.keyframe;
   const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kFoundAgain, keyframe, health_.doubt());
   reference->hint = found.hint;
@@ -206,6 +209,7 @@ void Mapper::Impl::forgetMap() {
   initial_frames_.clear();
   selector_.reset();
   deferred_.reset();
+  loops_.forgetMap();
   last_ = {};
   frames_without_reference_ = 0;
 }

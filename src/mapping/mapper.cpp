@@ -14,7 +14,8 @@ Mapper::Impl::Impl(const MapperConfig& config, std::shared_ptr<const Deblurrer> 
       health_(config.health),
       recovery_(config),
       deferred_(config),
-      deblurring_(config, std::move(deblurrer)) {}
+      deblurring_(config, std::move(deblurrer)),
+      loops_(config) {}
 
 MapperOutput Mapper::Impl::process(const TrackedFrameConstPtr& frame, bool has_time) {
   // The tracker may know a map of a mapper that was there before this one.
@@ -112,6 +113,7 @@ void Mapper::Impl::complete(KeyframeReport& report, const TrackedFrameConstPtr& 
   deblur(chosen->frame, chosen->trajectory.acceleration, chosen->trajectory.velocity);
   store_.makeKeyframe(*chosen, reference_->id.map_id, reference_->id.keyframe_id);
   deferred_.update(*map_);
+  loops_.follow(*map_);
 }
 
 void Mapper::Impl::deblur(const FrameConstPtr& frame, const Vector6& acceleration,
@@ -127,12 +129,12 @@ std::shared_ptr<Reference> Mapper::Impl::snapshot(ReferenceCause cause, Keyframe
   return reference;
 }
 
-std::vector<TrajectoryEntry> Mapper::Impl::finishedTrajectory() const {
-  if (!map_) return store_.entries();
+SmoothedTrajectory Mapper::Impl::smoothedTrajectory() const {
+  if (!map_) return loops_.smoothed(store_, nullptr);
   TrajectoryStore store = store_;
   DeferredTracking deferred = deferred_;
   deferred.finish(*map_, store);
-  return store.entries();
+  return loops_.smoothed(store, map_.get());
 }
 
 Mapper::Mapper(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer)
@@ -145,7 +147,7 @@ bool Mapper::needsRefinement() const { return impl_->needsRefinement(); }
 MapperOutput Mapper::refine() { return impl_->refine(); }
 void Mapper::watchSharpKeyframes(bool watched) { impl_->watchSharpKeyframes(watched); }
 bool Mapper::doDeferredWork() { return impl_->doDeferredWork(); }
-std::vector<TrajectoryEntry> Mapper::finishedTrajectory() const { return impl_->finishedTrajectory(); }
+SmoothedTrajectory Mapper::smoothedTrajectory() const { return impl_->smoothedTrajectory(); }
 void Mapper::reset() { impl_->reset(); }
 void Mapper::abandonMap() { impl_->abandonMap(); }
 ReferenceConstPtr Mapper::currentReference() const { return impl_->currentReference(); }
@@ -154,5 +156,6 @@ std::optional<CalibrationCorrection> Mapper::correction() const { return impl_->
 std::optional<CalibrationCorrection> Mapper::settledCorrection() const { return impl_->settledCorrection(); }
 std::vector<MapPoint> Mapper::points() const { return impl_->points(); }
 DeblurCounts Mapper::deblurCounts() const { return impl_->deblurCounts(); }
+LoopCounts Mapper::loopCounts() const { return impl_->loopCounts(); }
 
 }  // namespace mba_vo

@@ -23,7 +23,7 @@ class Mapper::Impl {
   MapperOutput refine();
   void watchSharpKeyframes(bool watched) { deblurring_.setWatched(watched); }
   bool doDeferredWork() { return map_ && deferred_.doNext(*map_, store_); }
-  std::vector<TrajectoryEntry> finishedTrajectory() const;
+  SmoothedTrajectory smoothedTrajectory() const;
   void reset();
   void abandonMap();
 
@@ -37,6 +37,7 @@ class Mapper::Impl {
   const TrajectoryStore& store() const { return store_; }
   std::vector<MapPoint> points() const { return map_ ? map_->points() : std::vector<MapPoint>(); }
   DeblurCounts deblurCounts() const { return deblurring_.counts(); }
+  LoopCounts loopCounts() const { return loops_.counts(); }
 
  private:
   /// A frame that is no newer than the last one was tracked again: its pose is better now, the map has it already.
@@ -97,6 +98,7 @@ class Mapper::Impl {
   Recovery recovery_;
   DeferredTracking deferred_;
   KeyframeDeblurring deblurring_;
+  LoopClosing loops_;
   std::optional<std::int64_t> newest_initializing_ns_;  // of the frames given to the initialiser
   std::vector<FrameConstPtr> initial_frames_;           // that the initialiser had when the map began
   std::int64_t first_keyframe_ns_ = 0;

@@ -122,13 +122,27 @@ bool LocalMap::refineImaging(KeyframeReport& report) {
 }
 
 void LocalMap::marginalizeKeyframes() {
-  for (const KeyframeId id : window_.keyframesToMarginalize()) {
+  const std::vector<KeyframeId> leaving = window_.keyframesToMarginalize();
+  if (config_.loops.close) {
+    for (const KeyframeId id : leaving) just_departed_.push_back(archive(id));
+  }
+  for (const KeyframeId id : leaving) {
     keepForDisplay(id);
     window_.marginalize(id);
     store_.attachKeyframe(id_, id, keyframes_.upper_bound(id)->first);
     keyframes_.erase(id);
     if (++departed_ % kDeparturesPerReturn == 0) returnFreedMemory();
   }
+}
+
+ArchivedKeyframeConstPtr LocalMap::archive(KeyframeId keyframe) const {
+  return archiveForLoops(*makeReference(keyframe), *frame(keyframe));
+}
+
+std::vector<ArchivedKeyframeConstPtr> LocalMap::archived() const {
+  std::vector<ArchivedKeyframeConstPtr> all;
+  for (const auto& keyframe : keyframes_) all.push_back(archive(keyframe.first));
+  return all;
 }
 
 }  // namespace mba_vo

@@ -110,15 +110,30 @@ std::vector<SE3> TrajectoryStore::keyframePoses() const {
   return poses;
 }
 
-std::vector<TrajectoryEntry> TrajectoryStore::entries() const {
+std::vector<TrajectoryStore::KeyframePlace> TrajectoryStore::keyframes(MapId map) const {
+  const std::vector<SE3> poses = keyframePoses();
+  std::vector<KeyframePlace> places;
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+    const StoredKeyframe& keyframe = keyframes_[i];
+    if (keyframe.id.first == map) places.push_back({keyframe.id.second, poses[i], keyframe.base});
+  }
+  return places;
+}
+
+std::vector<TrajectoryEntry> TrajectoryStore::entries(const CorrectedKeyframes& corrected) const {
   const std::vector<SE3> keyframe_poses = keyframePoses();
   std::vector<TrajectoryEntry> entries;
   entries.reserve(frames_.size());
   for (const StoredFrame& frame : frames_) {
     const auto keyframe = &entryOf(frame.map_id, frame.keyframe_id) - keyframes_.data();
-    const SE3 T_map_mid = keyframe_poses[static_cast<std::size_t>(keyframe)] * frame.T_keyframe_mid.pose();
-    const ExposureTrajectory in_map{T_map_mid, frame.velocity.cast<double>(), frame.exposure,
-                                    frame.acceleration.cast<double>()};
+    ExposureTrajectory in_map{keyframe_poses[static_cast<std::size_t>(keyframe)] * frame.T_keyframe_mid.pose(),
+                              frame.velocity.cast<double>(), frame.exposure, frame.acceleration.cast<double>()};
+    if (const auto found = corrected.find({frame.map_id, frame.keyframe_id}); found != corrected.end()) {
+      const Sim3 S_map_mid = found->second * Sim3(frame.T_keyframe_mid.pose());
+      in_map.T_reference_mid = S_map_mid.rigid();
+      in_map.velocity.head<3>() *= S_map_mid.scale();
+      in_map.acceleration.head<3>() *= S_map_mid.scale();
+    }
     entries.push_back({frame.sequence, frame.stamp_ns, frame.mid_exposure_ns, frame.map_id, in_map, frame.degraded});
   }
   std::sort(entries.begin(), entries.end(), [](const auto& l, const auto& r) {

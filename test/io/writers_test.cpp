@@ -4,6 +4,7 @@
 
 #include "io/temporary_folder.h"
 #include "mba_vo/io/frames_csv.h"
+#include "mba_vo/io/loops_csv.h"
 #include "mba_vo/io/online_record.h"
 #include "mba_vo/io/progress_bar.h"
 #include "mba_vo/io/run_writer.h"
@@ -214,6 +215,26 @@ TEST(ProgressBar, DrawsOnlyWhenEnabled) {
   EXPECT_THAT(on.str(), HasSubstr("1/2"));
   EXPECT_THAT(on.str(), HasSubstr(" left"));
   EXPECT_THAT(on.str(), HasSubstr("2/2"));
+}
+
+TEST(LoopsCsv, SaysOfEveryPairWhatCameOfIt) {
+  LoopTrial closed, rejected;
+  closed.map = rejected.map = 2;
+  closed.older = 4;
+  closed.newer = 90;
+  closed.older_ns = 1'500'000'000;
+  closed.verdict.S_old_new = Sim3(SE3(Eigen::Quaterniond::Identity(), {0.1, 0.2, 0.3}), std::exp(0.02));
+  closed.verdict.covariance = 1e-4 * Matrix7::Identity();
+  rejected.verdict.rejected_because = "too little in common: 0.1";
+  std::ostringstream out;
+  writeLoops({closed, rejected}, out);
+  const std::string text = out.str();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
+  EXPECT_NE(text.find("\n2,4,90,1.500000000,0.000000000,"), std::string::npos) << text;
+  EXPECT_NE(text.find(",0.100000,0.200000,0.300000,0.000000,0.000000,0.000000,1.000000,0.020000,0.010000,"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find(",\"too little in common: 0.1\"\n"), std::string::npos) << text;
 }
 
 }  // namespace

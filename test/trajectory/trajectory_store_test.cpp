@@ -189,5 +189,46 @@ TEST(TrajectoryStore, DoesNotInventPosesOfUnknownKeyframes) {
   EXPECT_THROW(store.T_map_keyframe(2, 0), std::out_of_range);
 }
 
+TEST(TrajectoryStore, TellsWhereTheKeyframesOfAMapAre) {
+  test::Random random(5);
+  const SE3 T_a = random.pose(1.0, 1.0), T_b = random.pose(1.0, 1.0), T_b_later = random.pose(1.0, 1.0);
+  TrajectoryStore store;
+  store.setKeyframePose(1, 3, T_a);
+  store.setKeyframePose(1, 8, T_b);
+  store.setKeyframePose(2, 1, SE3());
+  store.attachKeyframe(1, 3, 8);
+  store.setKeyframePose(1, 8, T_b_later);
+  const auto places = store.keyframes(1);
+  ASSERT_EQ(places.size(), 2U);
+  EXPECT_EQ(places[0].keyframe, 3U);
+  EXPECT_EQ(places[0].base, 8U);
+  EXPECT_LT(distance(places[0].T_map_keyframe, T_b_later * T_b.inverse() * T_a), 1e-9);
+  EXPECT_EQ(places[1].keyframe, 8U);
+  EXPECT_FALSE(places[1].base);
+}
+
+/// Frames follow their keyframe, in its unit of length.
+TEST(TrajectoryStore, CorrectedKeyframesTakeTheirFramesAlong) {
+  test::Random random(6);
+  TrajectoryStore store;
+  store.setKeyframePose(1, 3, random.pose(1.0, 1.0));
+  store.setKeyframePose(1, 4, random.pose(1.0, 1.0));
+  TrackedFrame tracked = trackedAt(7, 700, 1, 3, random.pose(0.3, 0.3));
+  tracked.trajectory.velocity = random.tangent(1.0, 1.0);
+  store.addFrame(tracked);
+  store.addFrame(trackedAt(8, 800, 1, 4, random.pose(0.3, 0.3)));
+  const Sim3 S(random.pose(1.0, 1.0), 1.2);
+  const auto as_is = store.entries();
+  const auto entries = store.entries({{{1, 3}, S}});
+  ASSERT_EQ(entries.size(), 2U);
+  const SE3& T = entries[0].trajectory.T_reference_mid;
+  const SE3& T_keyframe_mid = tracked.trajectory.T_reference_mid;
+  EXPECT_LT((T.translation() - S * T_keyframe_mid.translation()).norm(), kSinglePrecision);
+  EXPECT_LT((T.rotationMatrix() - S.rotationMatrix() * T_keyframe_mid.rotationMatrix()).norm(), kSinglePrecision);
+  EXPECT_LT((entries[0].trajectory.velocity.head<3>() - 1.2 * tracked.trajectory.velocity.head<3>()).norm(), 1e-6);
+  EXPECT_LT((entries[0].trajectory.velocity.tail<3>() - tracked.trajectory.velocity.tail<3>()).norm(), 1e-6);
+  EXPECT_LT(distance(entries[1].trajectory.T_reference_mid, as_is[1].trajectory.T_reference_mid), 1e-12);
+}
+
 }  // namespace
 }  // namespace mba_vo

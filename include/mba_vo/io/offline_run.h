@@ -48,6 +48,7 @@ struct StageTimes {
 struct OfflineResult {
   RunLog log;
   std::vector<TrajectoryEntry> trajectory;
+  std::vector<LoopTrial> loops;                             // that were looked into
   CalibrationCorrection correction;                         // of the calibration, at the end
   std::optional<CalibrationCorrection> settled_correction;  // the last that was right for a while
   ExposureCorrection exposure_correction;  // that which was given, or, if the images contradict it, as they say

@@ -12,6 +12,7 @@
 #include "mba_vo/mapping/calibration_estimator.h"
 #include "mba_vo/mapping/keyframe_report.h"
 #include "mba_vo/mapping/mapper_config.h"
+#include "mba_vo/pose_graph/loop_keyframe.h"
 #include "mba_vo/trajectory/pose_interpolation.h"
 #include "mba_vo/trajectory/trajectory_store.h"
 #include "mba_vo/window/window.h"
@@ -89,6 +90,11 @@ class LocalMap {
   /// Snapshot for the tracker about one keyframe of the window.
   std::shared_ptr<Reference> makeReference(KeyframeId keyframe, const std::string& doubt = {}) const;
 
+  /// The keyframes that have left the window since the last call, as they were then; with LoopConfig::close only.
+  std::vector<ArchivedKeyframeConstPtr> takeDeparted() { return std::exchange(just_departed_, {}); }
+  /// All of the window.
+  std::vector<ArchivedKeyframeConstPtr> archived() const;
+
   /// The newest of those that are known by their positions only, and all of the window.
   std::vector<MapPoint> points() const;
   /// Of an earlier window of the same map, for display.
@@ -125,6 +131,7 @@ class LocalMap {
   void storePoses();
   bool refineImaging(KeyframeReport& report);
   void keepForDisplay(KeyframeId keyframe);
+  ArchivedKeyframeConstPtr archive(KeyframeId keyframe) const;
   MapPoint displayPoint(const WindowPoint& point) const;
 
   MapperConfig config_;
@@ -140,6 +147,7 @@ class LocalMap {
   double activation_distance_px_ = 4.0;  // adapted so that the window holds about max_points
   double depth_search_ms_ = 0.0;         // since the last keyframe
   std::vector<MapPoint> old_points_;
+  std::vector<ArchivedKeyframeConstPtr> just_departed_;
 };
 
 }  // namespace mba_vo

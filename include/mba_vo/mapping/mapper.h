@@ -8,6 +8,7 @@
 #include "mba_vo/mapping/keyframe_deblurring.h"
 #include "mba_vo/mapping/keyframe_report.h"
 #include "mba_vo/mapping/local_map.h"
+#include "mba_vo/mapping/loop_closing.h"
 #include "mba_vo/mapping/mapper_config.h"
 #include "mba_vo/tracking/tracked_frame.h"
 #include "mba_vo/trajectory/trajectory_store.h"
@@ -70,12 +71,16 @@ class Mapper {
 
   /// All frames with a measured pose, by time, each re-expressed with its keyframe's newest pose.
   std::vector<TrajectoryEntry> trajectory() const;
-  /// The same as if all that was put off had been done; it has not, and the map goes on as if nobody had asked.
-  std::vector<TrajectoryEntry> finishedTrajectory() const;
+  /// The same as if all that was put off had been done, and loops closed; nothing has, and the map goes on as if nobody
+  /// had asked.
+  SmoothedTrajectory smoothedTrajectory() const;
+  std::vector<TrajectoryEntry> finishedTrajectory() const { return smoothedTrajectory().entries; }
   /// Points of the active window and, up to MapperConfig::max_display_points, of marginalised keyframes.
   std::vector<MapPoint> points() const;
   /// What became of the keyframes that were to be deblurred, in all maps.
   DeblurCounts deblurCounts() const;
+  /// What has come of the search for loops, without waiting for what is under way.
+  LoopCounts loopCounts() const;
 
  private:
   class Impl;

@@ -6,6 +6,7 @@
 #include "mba_vo/initialization/initializer.h"
 #include "mba_vo/mapping/deblur_queue.h"
 #include "mba_vo/mapping/map_health.h"
+#include "mba_vo/pose_graph/loop_closer.h"
 #include "mba_vo/relocalization/relocalizer.h"
 #include "mba_vo/tracking/keyframe_policy.h"
 #include "mba_vo/tracking/tracker.h"
@@ -29,6 +30,7 @@ struct MapperConfig {
   double restart_after_lost = 1.0;
   MapHealthConfig health;
   RelocalizerConfig relocalizer;
+  LoopConfig loops;
   bool commute_blur = true;
   bool refine_calibration = true;
   bool refine_frames = true;
@@ -49,6 +51,7 @@ struct MapperConfig {
       "a new map is begun after being lost for so long with images that show something [s]");
     v.section("health", c.health);
     v.section("relocalizer", c.relocalizer);
+    v.section("loops", c.loops);
     v("commute_blur", c.commute_blur, "blur frames along the keyframe's own path where the keyframe is not sharp");
     v("refine_calibration", c.refine_calibration,
       "correct vignette, focal length, centre, radial distortion and row time where the images say that they are "

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "mba_vo/geometry/sim3.h"
 #include "mba_vo/tracking/tracked_frame.h"
 
 namespace mba_vo {
@@ -35,8 +37,18 @@ class TrajectoryStore {
   void forget(MapId map, KeyframeId from_keyframe);
   SE3 T_map_keyframe(MapId map, KeyframeId keyframe) const;
 
+  struct KeyframePlace {
+    KeyframeId keyframe = 0;
+    SE3 T_map_keyframe;
+    std::optional<KeyframeId> base;  // that it is attached to
+  };
+  /// Of a map, by id.
+  std::vector<KeyframePlace> keyframes(MapId map) const;
+
+  /// Where keyframes are, and how large what is relative to them, by what is not known here.
+  using CorrectedKeyframes = std::map<std::pair<MapId, KeyframeId>, Sim3>;
   /// All frames, map by map, those of a map by time: a clock that begins anew must not mix maps.
-  std::vector<TrajectoryEntry> entries() const;
+  std::vector<TrajectoryEntry> entries(const CorrectedKeyframes& corrected = {}) const;
 
  private:
   /// In single precision, as hours of it have to fit, and relative to the keyframe nothing is far away.

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mba_vo/pose_graph/loop_verifier.h"
+#include "mba_vo/pose_graph/place_index.h"
+
+namespace mba_vo {
+
+struct LoopConfig {
+  bool close = false;
+  int candidates = 2;
+  double max_megabytes = 300.0;
+
+  template <typename Config, typename Visitor>
+  static void describe(Config& c, Visitor& v) {
+    v("close", c.close,
+      "recognise places that were seen before and correct the smoothed trajectory by them; odometry stays as it is");
+    v("candidates", c.candidates, 1, 100, "earlier keyframes that each keyframe is compared with, the likeliest first");
+    v("max_megabytes", c.max_megabytes, 1.0, 1e6,
+      "memory for keyframes that places are recognised by; those that say what others say go first [MB]");
+  }
+};
+
+/// A keyframe that was compared with an earlier one that looks like it.
+struct LoopTrial {
+  MapId map = 0;
+  KeyframeId older = 0;
+  KeyframeId newer = 0;
+  std::int64_t older_ns = 0;  // mid-exposure times [ns]
+  std::int64_t newer_ns = 0;
+  SE3 T_map_newer;                    // by odometry
+  std::optional<double> correlation;  // of their small images; nullopt: odometry led there
+  LoopVerdict verdict;
+  double weight = 1.0;  // in the pose graph: 1 = believed, towards 0 = taken for wrong
+};
+
+/// Keeps the keyframes of a map that have left its window and finds out where the camera has come back.
+class LoopCloser {
+ public:
+  LoopCloser(const LoopConfig& config, const TrackerConfig& tracker);
+
+  /// A keyframe leaves the window: it is looked for among those that left before, and kept.
+  void add(const ArchivedKeyframeConstPtr& keyframe);
+  /// Another map begins: keyframes are forgotten, what was found stays.
+  void forgetKeyframes();
+
+  /// In the order in which they were made.
+  const std::vector<LoopTrial>& trials() const { return trials_; }
+  /// What the keyframes that are kept take.
+  std::size_t bytes() const { return bytes_; }
+  /// Median over the keyframes of their points' median depth, in the unit of the map.
+  double usualDepth() const;
+
+ private:
+  struct Kept {
+    ArchivedKeyframeConstPtr keyframe;
+    double median_depth = 1.0;
+  };
+  void keep(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescriptor& descriptor);
+  void dropMostRedundant();
+  bool isElsewhere(const Kept& candidate, const ArchivedKeyframe& keyframe) const;
+  /// A keyframe that may show the same place, and where the camera would be relative to it.
+  struct Candidate {
+    KeyframeId keyframe = 0;
+    std::optional<double> correlation;  // of the small images; nullopt: it was not looked at
+    std::vector<SE3> starts;            // T_old_new
+  };
+  std::vector<Candidate> candidatesFor(const ArchivedKeyframe& keyframe, const PlaceDescriptor& descriptor) const;
+  std::optional<Candidate> nearestByOdometry(const ArchivedKeyframe& keyframe) const;
+  /// T_old_new.
+  static SE3 byOdometry(const ArchivedKeyframe& older, const ArchivedKeyframe& newer);
+  std::vector<LoopWitness> witnessesOf(const ArchivedKeyframe& older, const ArchivedKeyframe& newer) const;
+  void addBeside(const ArchivedKeyframe& keyframe, bool is_old, std::vector<LoopWitness>& witnesses) const;
+  /// Odometry may drift, but not by as much as that; empty if it has not.
+  std::string contradiction(const LoopTrial& trial) const;
+
+  LoopConfig config_;
+  LoopVerifier verifier_;
+  PlaceIndex index_;
+  std::map<KeyframeId, Kept> kept_;
+  std::size_t bytes_ = 0;  // of kept_
+  std::vector<LoopTrial> trials_;
+};
+
+}  // namespace mba_vo

@@ -1,0 +1,189 @@
+#include "mba_vo/pose_graph/loop_closer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "mba_vo/geometry/median.h"
+#include "mba_vo/tracking/frame_measures.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr double kLeastCorrelation = 0.5;  // of small images, worth a comparison
+constexpr double kLeastAway = 4.0;         // [s] since the older keyframe: before, it is the window's affair
+constexpr double kNearby = 0.3;      // [median depths] to the nearest keyframe, by odometry, if they look the same way
+constexpr double kNearbyTurn = 0.7;  // [rad] between the two, if they are at the same place
+constexpr std::size_t kLeastKept = 3;  // keyframes, whatever the memory
+constexpr KeyframeId kBeside = 12;     // keyframes on either side that may be witnesses
+constexpr std::size_t kWitnessesASide = 3;
+constexpr double kDrift = 0.1;         // of the way between the two, that odometry may be off by
+constexpr double kDriftAtOnce = 0.3;   // [median depths], besides
+constexpr double kTurnDrift = 0.01;    // [rad] for each keyframe between
+constexpr double kTurnAtOnce = 0.2;    // [rad], besides
+constexpr double kScaleDrift = 0.005;  // for each keyframe between
+constexpr double kScaleAtOnce = 0.05;  // besides
+
+}  // namespace
+
+LoopCloser::LoopCloser(const LoopConfig& config, const TrackerConfig& tracker) : config_(config), verifier_(tracker) {}
+
+void LoopCloser::forgetKeyframes() {
+  kept_.clear();
+  bytes_ = 0;
+  index_ = {};
+}
+
+double LoopCloser::usualDepth() const {
+  std::vector<double> depths;
+  for (const auto& [id, kept] : kept_) depths.push_back(kept.median_depth);
+  return depths.empty() ? 1.0 : median(depths);
+}
+
+void LoopCloser::add(const ArchivedKeyframeConstPtr& keyframe) {
+  const KeyframeId id = keyframe->reference.id.keyframe_id;
+  const FrameConstPtr frame = keyframe->restoreFrame();
+  const PlaceDescriptor descriptor(frame->pyramid);
+  for (const Candidate& candidate : candidatesFor(*keyframe, descriptor)) {
+    const ArchivedKeyframeConstPtr& older = kept_.at(candidate.keyframe).keyframe;
+    LoopTrial trial;
+    trial.map = keyframe->reference.id.map_id;
+    trial.older = candidate.keyframe;
+    trial.newer = id;
+    trial.older_ns = older->reference.mid_exposure_ns;
+    trial.newer_ns = keyframe->reference.mid_exposure_ns;
+    trial.T_map_newer = keyframe->reference.T_map_reference;
+    trial.correlation = candidate.correlation;
+    trial.verdict = verifier_.verify(older, keyframe, candidate.starts, witnessesOf(*older, *keyframe));
+    if (trial.verdict.accepted()) trial.verdict.rejected_because = contradiction(trial);
+    trials_.push_back(std::move(trial));
+    if (trials_.back().verdict.accepted()) break;
+  }
+  keep(keyframe, descriptor);
+}
+
+void LoopCloser::keep(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescriptor& descriptor) {
+  const KeyframeId id = keyframe->reference.id.keyframe_id;
+  index_.add(id, descriptor);
+  bytes_ += bytesOf(*keyframe) + sizeof(PlaceDescriptor);
+  kept_.insert_or_assign(id, Kept{keyframe, medianDepth(keyframe->reference)});
+  while (1e-6 * static_cast<double>(bytes_) > config_.max_megabytes && kept_.size() > kLeastKept) dropMostRedundant();
+}
+
+/// The one whose neighbours in time are nearest to it, in place and view.
+void LoopCloser::dropMostRedundant() {
+  const double depth = usualDepth();
+  const auto between = [&](const Kept& l, const Kept& r) {
+    const Vector6 way = (l.keyframe->reference.T_map_reference.inverse() * r.keyframe->reference.T_map_reference).log();
+    return way.head<3>().norm() / depth + way.tail<3>().norm();
+  };
+  auto redundant = std::next(kept_.begin());
+  double least = HUGE_VAL;
+  for (auto k = std::next(kept_.begin()); std::next(k) != kept_.end(); ++k) {
+    const double way = between(std::prev(k)->second, k->second) + between(k->second, std::next(k)->second);
+    if (way >= least) continue;
+    least = way;
+    redundant = k;
+  }
+  bytes_ -= bytesOf(*redundant->second.keyframe) + sizeof(PlaceDescriptor);
+  index_.remove(redundant->first);
+  kept_.erase(redundant);
+}
+
+bool LoopCloser::isElsewhere(const Kept& candidate, const ArchivedKeyframe& keyframe) const {
+  const std::int64_t away = keyframe.reference.mid_exposure_ns - candidate.keyframe->reference.mid_exposure_ns;
+  // What the window still knows is not for us: it was seen all the time.
+  return 1e-9 * static_cast<double>(away) > kLeastAway &&
+         keyframe.reference.T_map_keyframe.count(candidate.keyframe->reference.id.keyframe_id) == 0;
+}
+
+SE3 LoopCloser::byOdometry(const ArchivedKeyframe& older, const ArchivedKeyframe& newer) {
+  return older.reference.T_map_reference.inverse() * newer.reference.T_map_reference;
+}
+
+/// Where odometry leads, and, as that drifts, those that look alike wherever they are.
+std::vector<LoopCloser::Candidate> LoopCloser::candidatesFor(const ArchivedKeyframe& keyframe,
+                                                             const PlaceDescriptor& descriptor) const {
+  std::vector<Candidate> candidates;
+  if (const std::optional<Candidate> nearest = nearestByOdometry(keyframe)) candidates.push_back(*nearest);
+  const auto wanted = [&](KeyframeId id) { return isElsewhere(kept_.at(id), keyframe); };
+  for (const PlaceCandidate& alike : index_.search(descriptor, static_cast<std::size_t>(config_.candidates), wanted)) {
+    if (alike.correlation < kLeastCorrelation) break;
+    if (!candidates.empty() && candidates.front().keyframe == alike.keyframe) {
+      candidates.front().correlation = alike.correlation;
+      continue;
+    }
+    const ArchivedKeyframe& older = *kept_.at(alike.keyframe).keyframe;
+    Vector6 turn = Vector6::Zero();
+    turn(3) = -std::atan2(alike.shift_px.y(), older.camera.fy);
+    turn(4) = std::atan2(alike.shift_px.x(), older.camera.fx);
+    candidates.push_back({alike.keyframe, alike.correlation, {SE3::exp(turn), byOdometry(older, keyframe)}});
+  }
+  return candidates;
+}
+
+std::optional<LoopCloser::Candidate> LoopCloser::nearestByOdometry(const ArchivedKeyframe& keyframe) const {
+  const double depth = usualDepth();
+  std::optional<Candidate> nearest;
+  double least = 1.0;
+  for (const auto& [id, kept] : kept_) {
+    if (!isElsewhere(kept, keyframe)) continue;
+    const SE3 T = byOdometry(*kept.keyframe, keyframe);
+    const double away = T.translation().norm() / (kNearby * depth) + T.log().tail<3>().norm() / kNearbyTurn;
+    if (away >= least) continue;
+    least = away;
+    nearest = Candidate{id, std::nullopt, {T}};
+  }
+  return nearest;
+}
+
+/// Other keyframes nearby in time, the nearest first: only those are told by odometry exactly enough.
+void LoopCloser::addBeside(const ArchivedKeyframe& keyframe, bool is_old, std::vector<LoopWitness>& witnesses) const {
+  const KeyframeId id = keyframe.reference.id.keyframe_id;
+  std::vector<std::pair<KeyframeId, ArchivedKeyframeConstPtr>> near;
+  for (auto other = kept_.lower_bound(id > kBeside ? id - kBeside : 0);
+       other != kept_.end() && other->first <= id + kBeside; ++other) {
+    if (other->first == id) continue;
+    near.emplace_back(other->first > id ? other->first - id : id - other->first, other->second.keyframe);
+  }
+  std::stable_sort(near.begin(), near.end(), [](const auto& l, const auto& r) { return l.first < r.first; });
+  if (near.size() > kWitnessesASide) near.resize(kWitnessesASide);
+  for (const auto& [distance, other] : near) {
+    witnesses.push_back(
+        {other, keyframe.reference.T_map_reference.inverse() * other->reference.T_map_reference, is_old});
+  }
+}
+
+std::vector<LoopWitness> LoopCloser::witnessesOf(const ArchivedKeyframe& older, const ArchivedKeyframe& newer) const {
+  std::vector<LoopWitness> of_older, of_newer, all;
+  addBeside(older, true, of_older);
+  addBeside(newer, false, of_newer);
+  for (std::size_t i = 0; i < kWitnessesASide; ++i) {
+    if (i < of_newer.size()) all.push_back(of_newer[i]);
+    if (i < of_older.size()) all.push_back(of_older[i]);
+  }
+  return all;
+}
+
+std::string LoopCloser::contradiction(const LoopTrial& trial) const {
+  const Reference& older = kept_.at(trial.older).keyframe->reference;
+  double way = 0.0;
+  const Reference* before = &older;
+  for (auto k = kept_.upper_bound(trial.older); k != kept_.end() && k->first < trial.newer; ++k) {
+    const Reference& next = k->second.keyframe->reference;
+    way += (next.T_map_reference.translation() - before->T_map_reference.translation()).norm();
+    before = &next;
+  }
+  const auto between = static_cast<double>(trial.newer - trial.older);
+  const Sim3& S = trial.verdict.S_old_new;
+  const SE3 by_odometry = older.T_map_reference.inverse() * trial.T_map_newer;
+  const Vector6 off = (by_odometry.inverse() * S.rigid()).log();
+  if (off.head<3>().norm() > kDrift * way + kDriftAtOnce * usualDepth()) return "odometry puts it elsewhere";
+  if (off.tail<3>().norm() > kTurnDrift * between + kTurnAtOnce) return "odometry turns it elsewhere";
+  if (std::abs(std::log(S.scale())) > kScaleDrift * between + kScaleAtOnce)
+    return "the scale cannot have drifted so far";
+  return {};
+}
+
+}  // namespace mba_vo
