@@ -7,65 +7,10 @@
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 
-namespace mba_vo {
+#include "odometry/covariance_fixture.h"
+
+namespace mba_vo::test {
 namespace {
-
-constexpr double kInterval = 0.04;  // between images [s]
-constexpr double kNoiseShare = 0.5;
-constexpr double kModelError = 0.1;      // [px]
-constexpr double kKeyframeShare = 0.02;  // of old keyframes
-constexpr double kCorrectionShare = 0.06;
-constexpr double kFirstScale = 0.006;
-constexpr double kScaleDrift = 0.0003;  // per keyframe
-
-Vector6 vector6(double x, double y, double z, double a, double b, double c) {
-  return (Vector6() << x, y, z, a, b, c).finished();
-}
-
-/// Of an alignment: position and rotation are known worst together.
-Matrix6 alignment() {
-  Matrix6 root = 1e-3 * Matrix6::Identity();
-  root(0, 4) = 2e-3;
-  root(3, 1) = -1e-3;
-  root(5, 2) = 5e-4;
-  return root * root.transpose();
-}
-
-TrackedFrame trackedAt(int image, MapId map, KeyframeId keyframe) {
-  auto frame = std::make_shared<Frame>();
-  frame->mid_exposure_ns = std::llround(1e9 * kInterval * image);
-  frame->exposure = 0.02;
-  TrackedFrame tracked;
-  tracked.frame = frame;
-  tracked.status = TrackingStatus::kTracking;
-  tracked.reference = {map, keyframe, 0};
-  tracked.trajectory.exposure = 0.02;
-  tracked.trajectory.velocity = vector6(0.3, 0.0, 0.4, 0.0, 1.0, 0.0);
-  tracked.covariance.topLeftCorner<6, 6>() = alignment();
-  tracked.covariance.bottomRightCorner<6, 6>() = 1e-8 * Matrix6::Identity();
-  tracked.expected_error = kModelError * std::sqrt(1.0 - kNoiseShare);  // so that the covariance counts as it is
-  return tracked;
-}
-
-TrackedFrame lostAt(int image) {
-  TrackedFrame tracked = trackedAt(image, 0, 0);
-  tracked.status = TrackingStatus::kLost;
-  return tracked;
-}
-
-TrackedFrame turnedAt(int image) {
-  TrackedFrame tracked = trackedAt(image, 0, 0);
-  tracked.status = TrackingStatus::kInitializing;
-  tracked.orientation_only = true;
-  tracked.covariance.diagonal().head<3>().setConstant(1e6);
-  return tracked;
-}
-
-Matrix6 seenThrough(const SE3& T, const Matrix6& P) { return T.adjoint() * P * T.adjoint().transpose(); }
-
-double relativeDifference(const Matrix6& actual, const Matrix6& expected) {
-  return (actual - expected).norm() / expected.norm();
-}
 
 TEST(OdometryCovariance, GrowsWithEachKeyframeAndNotBetween) {
   OdometryCovariance covariance;
@@ -307,4 +252,4 @@ TEST(OdometryCovariance, LostInAMapOnlyThePlaceIsInDoubt) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::test

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mba_vo/odometry/residual_gate.h"
+#include "mba_vo/tracking/residual_gate.h"
 #include "mba_vo/tracking/tracker.h"
 
 namespace mba_vo {

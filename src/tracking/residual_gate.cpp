@@ -1,4 +1,4 @@
-#include "mba_vo/odometry/residual_gate.h"
+#include "mba_vo/tracking/residual_gate.h"
 
 #include <algorithm>
 #include <vector>
