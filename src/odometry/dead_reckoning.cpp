@@ -87,7 +87,8 @@ const SE3& DeadReckoning::T_odom_cameraAt(std::int64_t mid_exposure_ns) const {
 double DeadReckoning::positionSigma() const {
   if (!first_ || !(depth_ > 0.0)) return std::numeric_limits<double>::infinity();
   const double seconds = 1e-9 * static_cast<double>(poses_.back().mid_exposure_ns - first_->mid_exposure_ns);
-  const double bend = 0.5 * seconds * seconds * acceleration_;
+  const double predicted = std::min(seconds, kLongestPrediction);
+  const double bend = predicted * (seconds - 0.5 * predicted) * acceleration_;  // it goes on as fast as it is by then
   return std::sqrt(bend * bend + seconds * seconds * velocity_variance_ / (depth_ * depth_));
 }
 

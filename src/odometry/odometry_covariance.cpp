@@ -75,25 +75,33 @@ MotionCovariance OdometryCovariance::update(const TrackedFrame& tracked, const S
 /// The rotation is measured. Where a map was left a moment ago, the position is predicted from the velocity of then.
 MotionCovariance OdometryCovariance::reckoned(const TrackedFrame& tracked, const SE3& T_camera_odom, double seconds) {
   MotionCovariance result;
-  result.map = tracked.covariance.topLeftCorner<6, 6>();
   result.velocity = kUnmeasuredVariance * Matrix6::Identity();
-  Matrix6 before = before_;
-  if (has_map_) {
-    lost_ = true;
-    const double predicted = std::min(seconds, kLongestPrediction);
-    const double bend = 0.25 * std::pow(predicted, 4) * acceleration_.linear;
-    const double way = speed_.linear / 3.0 * (seconds - predicted) * (seconds - predicted);
-    result.map.topLeftCorner<3, 3>() = (bend + way) * Eigen::Matrix3d::Identity();
-    before = seenThrough(last_->T_odom_camera, last_->covariance.odom);
-    if (tracked.predicted) {
-      result.velocity =
-          last_->covariance.velocity + seconds * seconds * isotropic(acceleration_.linear, acceleration_.angular);
-    }
+  Matrix6 since = tracked.covariance.topLeftCorner<6, 6>();
+  if (!has_map_) {
+    result.map = since;
+    result.odom = seenThrough(T_camera_odom, before_) + since;
+    return result;
   }
-  result.odom = seenThrough(T_camera_odom, before) + result.map;
-  result.map +=
-      has_map_ ? seenThrough(T_camera_odom, seenThrough(last_->T_odom_camera, last_->covariance.map)) : Matrix6::Zero();
+  lost_ = true;
+  since.topLeftCorner<3, 3>() = placeVariance(seconds) * Eigen::Matrix3d::Identity();
+  const SE3 T_camera_last = T_camera_odom * last_->T_odom_camera;
+  result.map = seenThrough(T_camera_last, last_->covariance.map) + since;
+  result.odom = seenThrough(T_camera_last, last_->covariance.odom) + since;
+  if (!tracked.predicted) return result;
+  result.velocity =
+      last_->covariance.velocity + seconds * seconds * isotropic(acceleration_.linear, acceleration_.angular);
   return result;
+}
+
+/// Of each coordinate of a place that many seconds after the last pose [m^2]. A velocity counts as far as it is known,
+/// so that the place errs by no more than if the camera had been taken to stand still.
+double OdometryCovariance::placeVariance(double seconds) const {
+  const double predicted = std::min(seconds, kLongestPrediction);
+  const double unmeasured = seconds - predicted;
+  const double speed = speed_.linear / 3.0;
+  const double velocity = std::min(speed, last_->covariance.velocity.diagonal().head<3>().mean());
+  return velocity * predicted * predicted + 0.25 * std::pow(predicted, 4) * acceleration_.linear +
+         speed * unmeasured * unmeasured;
 }
 
 /// All that was gathered stays, and the camera turns unmeasured for so long.

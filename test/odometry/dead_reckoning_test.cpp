@@ -111,6 +111,10 @@ TEST(DeadReckoning, ThePlaceIsKnownForAMoment) {
     EXPECT_NEAR(reckoning.T_odom_camera().translation().x() - truthAt(2).translation().x(), seconds * known * kSpeed,
                 1e-6)
         << sigma;
+    reckoning.track(frameAt(9));
+    const double unmeasured = 7.0 * kInterval - kLongestPrediction;
+    const double way = (0.5 * kLongestPrediction + unmeasured) * kLongestPrediction * acceleration;
+    EXPECT_NEAR(reckoning.positionSigma(), std::hypot(way, 7.0 * kInterval * std::min(sigma, kSpeed) / kDepth), 1e-6);
   }
 }
 

@@ -2,13 +2,7 @@
 # of either space. Objects of the package's own sources are those of BUILD_DIR, which compiled the same files with the
 # same options: what is tried is all else, that is configuration, messages, linking, both spaces, and what ROS finds there.
 
-function(run)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT result EQUAL 0)
-    message(FATAL_ERROR "${ARGN}\nended with ${result}:\n${output}")
-  endif()
-  set(output "${output}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 # Makes the workspace as one who cloned the repository into it.
 function(make_workspace)

@@ -61,6 +61,7 @@ class OdometryCovariance {
   };
 
   MotionCovariance reckoned(const TrackedFrame& tracked, const SE3& T_camera_odom, double seconds);
+  double placeVariance(double seconds) const;
   void closeMap(const SE3& T_odom_camera, double seconds);
   void beginMap(const TrackedFrame& tracked, const SE3& T_odom_camera, const SE3& T_map_odom);
   void goOnInMap(const TrackedFrame& tracked, const SE3& T_odom_camera, const SE3& T_map_odom);
