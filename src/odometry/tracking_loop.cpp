@@ -181,8 +181,8 @@ TrackedFrameConstPtr TrackingLoop::wait(const FrameConstPtr& frame, bool has_tim
   const bool has_map = phase_ != TrackingPhase::kNoMap;
   const auto result = untracked(frame, TrackingStatus::kInitializing,
                                 has_map ? "earlier frames are still being tracked" : no_map_reason_);
-  if (has_map) result->reference = frames_.reference()->id;
-  if (has_time) reckon(reckoning_.track(frame), *result);
+  // With a map, what waits needs the time: the sooner it is tracked, the sooner there is a pose.
+  if (!has_map && has_time) reckon(reckoning_.track(frame), *result);
   waiting_.add({frame, false, false, false});
   waiting_.dropOlderThan(longest_wait_);
   if (has_map) change(PhaseEvent::kImageWaits);

@@ -53,9 +53,8 @@ struct TrackedFrame {
   /// Without a pose: rotation and angular velocity of `trajectory` are measured all the same, relative to an earlier
   /// frame, and so is the covariance of the mid pose; there is no position.
   bool orientation_only = false;
-  /// Not aligned to the map, whether it is LOST or has to wait: rotation and angular velocity of `trajectory` are
-  /// measured without it, and the position goes on from a moment ago. A pose to be published, as DEGRADED, and no
-  /// measurement for the map.
+  /// While LOST: rotation and angular velocity of `trajectory` are measured without the map, and the position goes on
+  /// from a moment ago. A pose to be published, as DEGRADED, and no measurement for the map.
   bool predicted = false;
   double tracking_ms = 0.0;
   ExposureEstimate exposure_estimate;  // with which it was tracked
