@@ -136,7 +136,7 @@ ScaleEstimate LoopVerifier::scaleOf(const SE3& T_old_new, const Matrix6& covaria
   verdict.by_depths.sigma = std::hypot(verdict.by_depths.sigma, shared);
   double information = 1.0 / (verdict.by_depths.sigma * verdict.by_depths.sigma);
   double log_scale = information * verdict.by_depths.log_scale;
-  const Eigen::Vector3d way = T_old_new_back.translation();
+  const Eigen::Vector3d& way = T_old_new_back.translation();
   const double ratio = way.squaredNorm() > 0.0 ? T_old_new.translation().dot(way) / way.squaredNorm() : 0.0;
   if (ratio > 0.0) {
     const Eigen::Vector3d along = T_old_new.rotation().conjugate() * way.normalized();
