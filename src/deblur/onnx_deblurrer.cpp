@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include <opencv2/core/utility.hpp>
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -31,8 +32,6 @@ cv::Mat1f power(const cv::Mat1f& image, double exponent) {
   result *= kWhite;
   return result;
 }
-
-int roundUp(int n, int multiple) { return (n + multiple - 1) / multiple * multiple; }
 
 std::string shapeOf(const cv::Mat& blob) {
   std::string shape;
@@ -98,8 +97,8 @@ class OnnxDeblurrer::Network {
   /// The same of any size.
   cv::Mat1f runOnAny(const cv::Mat1f& image) {
     if (config_.width > 0) return runOnTiles(image, Tiles(image.size(), fixedSize(), config_.multiple_of));
-    const cv::Mat1f filled =
-        fillUp(image, {roundUp(image.cols, config_.multiple_of), roundUp(image.rows, config_.multiple_of)});
+    const auto multiple = static_cast<unsigned>(config_.multiple_of);
+    const cv::Mat1f filled = fillUp(image, {cv::roundUp(image.cols, multiple), cv::roundUp(image.rows, multiple)});
     return run(filled)(cv::Rect({0, 0}, image.size()));
   }
 
@@ -132,7 +131,7 @@ class OnnxDeblurrer::Network {
 
 OnnxDeblurrer::OnnxDeblurrer(const OnnxDeblurConfig& config) : network_(std::make_unique<Network>(config)) {
   constexpr int kTrialSide = 64;  // [px]
-  const int side = roundUp(kTrialSide, config.multiple_of);
+  const int side = cv::roundUp(kTrialSide, static_cast<unsigned>(config.multiple_of));
   const cv::Size size = config.width > 0 ? network_->fixedSize() : cv::Size(side, side);
   try {
     network_->run(cv::Mat1f(size, 0.5F * kWhite));

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include <opencv2/core/utility.hpp>
+
 namespace mba_vo {
 namespace {
-
-int roundUp(int n, int multiple) { return (n + multiple - 1) / multiple * multiple; }
 
 /// Enough for what most networks see around a pixel, but not most of a small tile.
 int overlapOf(int tile) {
@@ -14,7 +14,9 @@ int overlapOf(int tile) {
   return std::min(kOverlap, tile / kPart);
 }
 
-int paddedLength(int length, int tile, int grid) { return length <= tile ? tile : tile + roundUp(length - tile, grid); }
+int paddedLength(int length, int tile, int grid) {
+  return length <= tile ? tile : tile + cv::roundUp(length - tile, static_cast<unsigned>(grid));
+}
 
 /// `length`: by paddedLength.
 std::vector<int> startsOf(int length, int tile, int grid, int overlap) {

@@ -10,8 +10,8 @@
 namespace mba_vo {
 namespace {
 
-constexpr float kFar = 1e-6F;  // inverse depth of everything
-constexpr int kPoints = 1000;  // of a reference
+constexpr float kFar = 1e-6F;           // inverse depth of everything
+constexpr int kReferencePoints = 1000;  // of a reference
 // Aligned per frame. Time goes with their number (on desk 132, 80, 46 and 31 ms for 1000, 300, 150 and 80, on a busy
 // machine); on one core the initialiser needs that time.
 constexpr int kPatches = 120;
@@ -68,7 +68,7 @@ void OrientationTracking::changeReference(const FrameConstPtr& frame, const Affi
   reference->image_xi = motion_.last().velocity * frame->exposure.value_or(0.0);
   reference->brightness = brightness;
   reference->image_correction = reference->correction = frame->correction;
-  for (const Eigen::Vector2i& pixel : selectPoints(*reference->pyramid, kPoints, {})) {
+  for (const Eigen::Vector2i& pixel : selectPoints(*reference->pyramid, kReferencePoints, {})) {
     reference->points.push_back({pixel.cast<float>(), kFar, 0.0F});
   }
   reference_ = reference;
