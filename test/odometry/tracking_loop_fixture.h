@@ -14,6 +14,7 @@
 
 #include "mba_vo/odometry/tracking_loop.h"
 #include "support/rendered_room.h"
+#include "support/rendered_sequence.h"
 
 namespace mba_vo::test {
 
@@ -21,11 +22,7 @@ inline constexpr int kFirst = 40;  // of the frames in use
 inline constexpr int kCount = 16;
 
 inline const std::vector<SimulatedFrame>& views() {
-  static const std::vector<SimulatedFrame> views = [] {
-    std::vector<SimulatedFrame> v;
-    for (int i = 0; i < kCount; ++i) v.push_back(roomSimulator().render(kFirst + i));
-    return v;
-  }();
+  static const std::vector<SimulatedFrame> views = renderFrames(roomConfig(), kFirst, kCount).frames;
   return views;
 }
 
