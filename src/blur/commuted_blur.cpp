@@ -55,9 +55,7 @@ void CommutedBlur::read(const ImageLevel& frame, const Eigen::Vector2d& centre, 
   } else if (path.length() < kSharpLength) {
     copyPatch(frame, centre, pattern, intensity);
   } else {
-    ReblurredPatch blurred;
-    reblurPatch(frame, path, pattern, sampleCount(path.length(), sample_spacing_px, max_samples), blurred);
-    intensity = blurred.value;
+    reblurParallel(frame, path, pattern, sampleCount(path.length(), sample_spacing_px, max_samples), intensity);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -12,8 +13,11 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kLanes = 16;
-constexpr int kFewLanes = 8;  // for the sparse patterns of the window and the depth search
+constexpr int kLanes = 8;        // all pixels of a sparse pattern, or most of a row of nine
+constexpr int kNarrowLanes = 4;  // of a row of five or seven
+using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
+using Ints = int __attribute__((vector_size(kLanes * sizeof(int))));
+
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 struct Offsets {
@@ -21,15 +25,26 @@ struct Offsets {
   alignas(64) float dy[kMaxPatchPixels];
 };
 
-/// Position of the patch at one moment: x = cx + a00 dx + a01 dy, y = cy + a10 dx + a11 dy.
-struct Placement {
-  float cx, cy, a00, a01, a10, a11, u;
+/// Position of the patch at each moment u: x = cx + a00 dx + a01 dy, y = cy + a10 dx + a11 dy.
+struct Placements {
+  using Row = float[kMaxSamples];
+  Row cx, cy, a00, a01, a10, a11, u;
 };
 
-Placement placementAt(const PatchPath& path, float u) {
-  const Eigen::Vector2f c = path.c0 + u * (path.c1 + u * path.c2);
-  const Eigen::Matrix2f A = path.A0 + u * path.A1;
-  return {c.x(), c.y(), A(0, 0), A(0, 1), A(1, 0), A(1, 1), u};
+[[gnu::always_inline]] inline void place(const PatchPath& path, int samples, Placements& __restrict out) {
+  const float width = 1.0F / static_cast<float>(samples);
+  const Eigen::Vector2f &c0 = path.c0, &c1 = path.c1, &c2 = path.c2;
+  const Eigen::Matrix2f &A0 = path.A0, &A1 = path.A1;
+  for (int i = 0; i < samples; ++i) {
+    const float u = (static_cast<float>(i) + 0.5F) * width - 0.5F;
+    out.u[i] = u;
+    out.cx[i] = c0.x() + u * (c1.x() + u * c2.x());
+    out.cy[i] = c0.y() + u * (c1.y() + u * c2.y());
+    out.a00[i] = A0(0, 0) + u * A1(0, 0);
+    out.a01[i] = A0(0, 1) + u * A1(0, 1);
+    out.a10[i] = A0(1, 0) + u * A1(1, 0);
+    out.a11[i] = A0(1, 1) + u * A1(1, 1);
+  }
 }
 
 struct ImageView {
@@ -37,92 +52,186 @@ struct ImageView {
   int stride;
   float max_x;  // largest coordinates that can be sampled
   float max_y;
+
+  /// The square of `radius`, all along its path: |u| is at most a half.
+  bool holds(const PatchPath& path, float radius) const {
+    const Eigen::Matrix2f spread = path.A0.cwiseAbs() + 0.5F * path.A1.cwiseAbs();
+    const Eigen::Vector2f reach =
+        radius * spread.rowwise().sum() + 0.5F * path.c1.cwiseAbs() + 0.25F * path.c2.cwiseAbs();
+    const Eigen::Vector2f low = path.c0 - reach;
+    const Eigen::Vector2f high = path.c0 + reach;
+    return low.x() >= 0.0F && low.y() >= 0.0F && high.x() <= max_x && high.y() <= max_y;
+  }
 };
 
-/// Means over all samples of the `Lanes` pixels whose offsets begin at dx, dy. Inlined into each of the versions below.
-template <int Lanes>
-[[gnu::always_inline]] inline void averageLanes(const ImageView& image, const Placement* placements, int samples,
+/// The pixels to the right of and below a sample are read too, so the last row and column cannot be its corner.
+ImageView viewOf(const ImageLevel& level) {
+  return {level.intensity[0], static_cast<int>(level.intensity.step1()),
+          static_cast<float>(level.intensity.cols) - 1.001F, static_cast<float>(level.intensity.rows) - 1.001F};
+}
+
+// By reference: how such values are handed over differs between instruction sets.
+[[gnu::always_inline]] inline void load(const float* from, Floats& lanes) { std::memcpy(&lanes, from, sizeof(lanes)); }
+
+[[gnu::always_inline]] inline void clamp(const Floats& value, float most, Floats& clamped) {
+  const Floats low = value > 0.0F ? value : Floats{};
+  clamped = low < most ? low : Floats{} + most;
+}
+
+/// Means over all samples of the pixels `first` and following. `kInside`: none of them leaves the image. Inlined into
+/// each of the versions below.
+template <GradientMoments kWanted, bool kInside>
+[[gnu::always_inline]] inline void averageLanes(const ImageView& image, const Placements& at, int samples,
                                                 const Offsets& offsets, int first, ReblurredPatch& __restrict out) {
-  const float* __restrict dx = offsets.dx + first;
-  const float* __restrict dy = offsets.dy + first;
-  // One array each, not a struct of them: so they stay in registers.
-  alignas(64) float value[Lanes] = {};
-  alignas(64) float sum_gx[Lanes] = {};
-  alignas(64) float sum_gy[Lanes] = {};
-  alignas(64) float sum_ugx[Lanes] = {};
-  alignas(64) float sum_ugy[Lanes] = {};
-  alignas(64) float sum_uugx[Lanes] = {};
-  alignas(64) float sum_uugy[Lanes] = {};
-  alignas(64) float outside[Lanes] = {};
-  const float* __restrict data = image.data;
+  Floats dx, dy;
+  load(offsets.dx + first, dx);
+  load(offsets.dy + first, dy);
+  Floats value{}, sum_gx{}, sum_gy{}, sum_ugx{}, sum_ugy{}, sum_uugx{}, sum_uugy{}, outside{};
   for (int i = 0; i < samples; ++i) {
-    const Placement at = placements[i];
-    const float u = at.u;
-    const float uu = u * u;
-    alignas(64) int index[Lanes];
-    alignas(64) float fx[Lanes], fy[Lanes];
-    for (int k = 0; k < Lanes; ++k) {
-      const float x = at.cx + at.a00 * dx[k] + at.a01 * dy[k];
-      const float y = at.cy + at.a10 * dx[k] + at.a11 * dy[k];
-      const float x_low = x > 0.0F ? x : 0.0F;
-      const float y_low = y > 0.0F ? y : 0.0F;
-      const float x_in = x_low < image.max_x ? x_low : image.max_x;
-      const float y_in = y_low < image.max_y ? y_low : image.max_y;
-      outside[k] += std::abs(x - x_in) + std::abs(y - y_in);
-      const int ix = static_cast<int>(x_in);
-      const int iy = static_cast<int>(y_in);
-      fx[k] = x_in - static_cast<float>(ix);
-      fy[k] = y_in - static_cast<float>(iy);
-      index[k] = iy * image.stride + ix;
+    const float u = at.u[i];
+    const Floats x = at.cx[i] + at.a00[i] * dx + at.a01[i] * dy;
+    const Floats y = at.cy[i] + at.a10[i] * dx + at.a11[i] * dy;
+    Floats x_in = x;
+    Floats y_in = y;
+    if constexpr (!kInside) {
+      clamp(x, image.max_x, x_in);
+      clamp(y, image.max_y, y_in);
+      outside += (x - x_in) * (x - x_in) + (y - y_in) * (y - y_in);
     }
-    alignas(64) float i00[Lanes], i10[Lanes], i01[Lanes], i11[Lanes];
-    readCorners<Lanes>(data, image.stride, index, i00, i10, i01, i11);
-    for (int k = 0; k < Lanes; ++k) {
-      const float upper = i10[k] - i00[k];
-      const float lower = i11[k] - i01[k];
-      const float top = i00[k] + fx[k] * upper;
-      const float gx = upper + fy[k] * (lower - upper);
-      const float gy = i01[k] + fx[k] * lower - top;
-      value[k] += top + fy[k] * gy;
-      sum_gx[k] += gx;
-      sum_gy[k] += gy;
-      sum_ugx[k] += u * gx;
-      sum_ugy[k] += u * gy;
-      sum_uugx[k] += uu * gx;
-      sum_uugy[k] += uu * gy;
+    const Ints ix = __builtin_convertvector(x_in, Ints);
+    const Ints iy = __builtin_convertvector(y_in, Ints);
+    const Floats fx = x_in - __builtin_convertvector(ix, Floats);
+    const Floats fy = y_in - __builtin_convertvector(iy, Floats);
+    const Ints index_lanes = iy * image.stride + ix;
+    int index[kLanes];
+    std::memcpy(index, &index_lanes, sizeof(index));
+    float corners[4][kLanes];
+    readCorners<kLanes>(image.data, image.stride, index, corners[0], corners[1], corners[2], corners[3]);
+    Floats i00, i10, i01, i11;
+    load(corners[0], i00);
+    load(corners[1], i10);
+    load(corners[2], i01);
+    load(corners[3], i11);
+    const Floats upper = i10 - i00;
+    const Floats lower = i11 - i01;
+    const Floats top = i00 + fx * upper;
+    const Floats gx = upper + fy * (lower - upper);
+    const Floats gy = i01 + fx * lower - top;
+    value += top + fy * gy;
+    if constexpr (kWanted >= GradientMoments::kFirst) {
+      sum_gx += gx;
+      sum_gy += gy;
+      sum_ugx += u * gx;
+      sum_ugy += u * gy;
+    }
+    if constexpr (kWanted >= GradientMoments::kSecond) {
+      sum_uugx += u * u * gx;
+      sum_uugy += u * u * gy;
     }
   }
   const float scale = 1.0F / static_cast<float>(samples);
-  const auto write = [&](const float* sum, std::array<float, kMaxPatchPixels>& mean) {
-    for (int k = 0; k < Lanes; ++k) mean[static_cast<std::size_t>(first + k)] = scale * sum[k];
+  const auto write = [&](const Floats& sum, std::array<float, kMaxPatchPixels>& mean) {
+    const Floats scaled = scale * sum;
+    std::memcpy(mean.data() + first, &scaled, sizeof(scaled));
   };
-  for (int k = 0; k < Lanes; ++k) {
-    const float mean = scale * value[k];
-    out.value[static_cast<std::size_t>(first + k)] = outside[k] > 0.0F ? kNaN : mean;
+  write(outside > 0.0F ? Floats{} + kNaN : value, out.value);
+  if constexpr (kWanted >= GradientMoments::kFirst) {
+    write(sum_gx, out.gx);
+    write(sum_gy, out.gy);
+    write(sum_ugx, out.ugx);
+    write(sum_ugy, out.ugy);
   }
-  write(sum_gx, out.gx);
-  write(sum_gy, out.gy);
-  write(sum_ugx, out.ugx);
-  write(sum_ugy, out.ugy);
-  write(sum_uugx, out.uugx);
-  write(sum_uugy, out.uugy);
-}
-
-MBA_VO_MULTIVERSION
-void averageBlocks(const ImageView& image, const Placement* placements, int samples, const Offsets& offsets, int count,
-                   ReblurredPatch& __restrict out) {
-  for (int first = 0; first < count; first += kLanes) {
-    averageLanes<kLanes>(image, placements, samples, offsets, first, out);
+  if constexpr (kWanted >= GradientMoments::kSecond) {
+    write(sum_uugx, out.uugx);
+    write(sum_uugy, out.uugy);
   }
 }
 
+/// `inside`: see averageLanes.
+template <GradientMoments kWanted>
+[[gnu::always_inline]] inline void average(const ImageView& image, const PatchPath& path, int samples,
+                                           const Offsets& offsets, int count, bool inside,
+                                           ReblurredPatch& __restrict out) {
+  Placements at;
+  place(path, samples, at);
+  if (inside) {
+    for (int k = 0; k < count; k += kLanes) averageLanes<kWanted, true>(image, at, samples, offsets, k, out);
+  } else {
+    for (int k = 0; k < count; k += kLanes) averageLanes<kWanted, false>(image, at, samples, offsets, k, out);
+  }
+}
+
 MBA_VO_MULTIVERSION
-void averageFew(const ImageView& image, const Placement* placements, int samples, const Offsets& offsets,
-                ReblurredPatch& __restrict out) {
-  averageLanes<kFewLanes>(image, placements, samples, offsets, 0, out);
+void averageValues(const ImageView& image, const PatchPath& path, int samples, const Offsets& offsets, int count,
+                   bool inside, ReblurredPatch& __restrict out) {
+  average<GradientMoments::kNone>(image, path, samples, offsets, count, inside, out);
+}
+
+MBA_VO_MULTIVERSION
+void averageFirstMoments(const ImageView& image, const PatchPath& path, int samples, const Offsets& offsets, int count,
+                         bool inside, ReblurredPatch& __restrict out) {
+  average<GradientMoments::kFirst>(image, path, samples, offsets, count, inside, out);
+}
+
+MBA_VO_MULTIVERSION
+void averageSecondMoments(const ImageView& image, const PatchPath& path, int samples, const Offsets& offsets, int count,
+                          bool inside, ReblurredPatch& __restrict out) {
+  average<GradientMoments::kSecond>(image, path, samples, offsets, count, inside, out);
+}
+
+/// A sample of the whole patch: its upper left pixel, and the weights of the four corners, which all pixels share.
+struct Shift {
+  const float* corner;
+  float w00, w10, w01, w11;
+};
+
+/// Sums of the `side` pixels of each row. Two blocks of lanes, the second ending where the row does: nothing beyond the
+/// patch is read.
+template <int Lanes>
+[[gnu::always_inline]] inline void sumRows(const Shift* shifts, int samples, int stride, int side,
+                                           float* __restrict sums) {
+  const int second = side - Lanes;
+  for (int row = 0; row < side; ++row) {
+    alignas(64) float left[Lanes] = {};
+    alignas(64) float right[Lanes] = {};
+    const std::ptrdiff_t below = static_cast<std::ptrdiff_t>(row) * stride;
+    for (int i = 0; i < samples; ++i) {
+      const Shift& s = shifts[i];
+      const float* __restrict upper = s.corner + below;
+      const float* __restrict lower = upper + stride;
+      for (int k = 0; k < Lanes; ++k) {
+        left[k] += s.w00 * upper[k] + s.w10 * upper[k + 1] + s.w01 * lower[k] + s.w11 * lower[k + 1];
+      }
+      for (int k = 0; k < Lanes; ++k) {
+        const int x = second + k;
+        right[k] += s.w00 * upper[x] + s.w10 * upper[x + 1] + s.w01 * lower[x] + s.w11 * lower[x + 1];
+      }
+    }
+    std::copy(left, left + Lanes, sums + side * row);
+    std::copy(right, right + Lanes, sums + side * row + second);
+  }
+}
+
+MBA_VO_MULTIVERSION
+void sumWideRows(const Shift* shifts, int samples, int stride, int side, float* __restrict sums) {
+  sumRows<kLanes>(shifts, samples, stride, side, sums);
+}
+
+MBA_VO_MULTIVERSION
+void sumNarrowRows(const Shift* shifts, int samples, int stride, int side, float* __restrict sums) {
+  sumRows<kNarrowLanes>(shifts, samples, stride, side, sums);
 }
 
 int roundUp(int n) { return (n + kLanes - 1) / kLanes * kLanes; }
+
+Shift shiftTo(const ImageView& image, const Eigen::Vector2f& upper_left) {
+  const int x = static_cast<int>(upper_left.x());
+  const int y = static_cast<int>(upper_left.y());
+  const float fx = upper_left.x() - static_cast<float>(x);
+  const float fy = upper_left.y() - static_cast<float>(y);
+  return {image.data + static_cast<std::ptrdiff_t>(y) * image.stride + x, (1.0F - fx) * (1.0F - fy), fx * (1.0F - fy),
+          (1.0F - fx) * fy, fx * fy};
+}
 
 Offsets makeOffsets(const PatchPattern& pattern, int count) {
   Offsets offsets;
@@ -165,23 +274,46 @@ PatchPattern PatchPattern::spread8() {
 }
 
 void reblurPatch(const ImageLevel& reference, const PatchPath& path, const PatchPattern& pattern, int samples,
-                 ReblurredPatch& out) {
-  const int count = pattern.size <= kFewLanes ? kFewLanes : roundUp(pattern.size);
+                 ReblurredPatch& out, GradientMoments wanted) {
+  const int count = roundUp(pattern.size);
   const Offsets offsets = makeOffsets(pattern, count);
+  const ImageView image = viewOf(reference);
   const int n = std::clamp(samples, 1, kMaxSamples);
-  std::array<Placement, kMaxSamples> placements;
+  const bool inside = image.holds(path, static_cast<float>(pattern.radius));
+  switch (wanted) {
+    case GradientMoments::kNone:
+      return averageValues(image, path, n, offsets, count, inside, out);
+    case GradientMoments::kFirst:
+      return averageFirstMoments(image, path, n, offsets, count, inside, out);
+    case GradientMoments::kSecond:
+      return averageSecondMoments(image, path, n, offsets, count, inside, out);
+  }
+}
+
+void reblurParallel(const ImageLevel& level, const PatchPath& path, const PatchPattern& pattern, int samples,
+                    std::array<float, kMaxPatchPixels>& value) {
+  const ImageView image = viewOf(level);
+  const int n = std::clamp(samples, 1, kMaxSamples);
+  const int side = 2 * pattern.radius + 1;
+  if (side < kNarrowLanes || !image.holds(path, static_cast<float>(pattern.radius))) {  // some pixels may be valid
+    ReblurredPatch patch;
+    reblurPatch(level, path, pattern, samples, patch, GradientMoments::kNone);
+    value = patch.value;
+    return;
+  }
+  const auto radius = static_cast<float>(pattern.radius);
+  std::array<Shift, kMaxSamples> shifts;
   for (int i = 0; i < n; ++i) {
     const float u = (static_cast<float>(i) + 0.5F) / static_cast<float>(n) - 0.5F;
-    placements[static_cast<std::size_t>(i)] = placementAt(path, u);
+    const Eigen::Vector2f centre = path.c0 + u * (path.c1 + u * path.c2);
+    shifts[static_cast<std::size_t>(i)] = shiftTo(image, centre.array() - radius);
   }
-  // The pixels to the right of and below a sample are read too, so the last row and column cannot be its corner.
-  const ImageView image{reference.intensity[0], static_cast<int>(reference.intensity.step1()),
-                        static_cast<float>(reference.intensity.cols) - 1.001F,
-                        static_cast<float>(reference.intensity.rows) - 1.001F};
-  if (pattern.size <= kFewLanes) {
-    averageFew(image, placements.data(), n, offsets, out);
-  } else {
-    averageBlocks(image, placements.data(), n, offsets, count, out);
+  std::array<float, kMaxPatchPixels> sums;
+  const auto sum = side > kLanes ? sumWideRows : sumNarrowRows;
+  sum(shifts.data(), n, image.stride, side, sums.data());
+  for (std::size_t k = 0; k < static_cast<std::size_t>(pattern.size); ++k) {
+    const int place = side * (pattern.dy[k] + pattern.radius) + pattern.dx[k] + pattern.radius;
+    value[k] = sums[static_cast<std::size_t>(place)] / static_cast<float>(n);
   }
 }
 

@@ -103,7 +103,8 @@ SearchPatch SearchPatchMaker::makeSharp(const Eigen::Vector2i& host_pixel, const
 SearchPatch SearchPatchMaker::makeBlurred(const PatchPath& path, float spacing_px, float gain) const {
   SearchPatch patch;
   ReblurredPatch reblurred;
-  reblurPatch(*host_, path, pattern_, sampleCount(path.length(), spacing_px, kMaxBlurSamples), reblurred);
+  reblurPatch(*host_, path, pattern_, sampleCount(path.length(), spacing_px, kMaxBlurSamples), reblurred,
+              GradientMoments::kNone);
   float sum = 0.0F;
   for (std::size_t k = 0; k < SearchPatch::kSize; ++k) {
     patch.dx[k] = static_cast<float>(pattern_.dx[k]);

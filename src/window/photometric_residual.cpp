@@ -71,6 +71,19 @@ float weighPixels(const std::array<float, kResidualPixels>& r, const std::array<
   return ((energy[0] + energy[4]) + (energy[2] + energy[6])) + ((energy[1] + energy[5]) + (energy[3] + energy[7]));
 }
 
+bool compare(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
+             const ResidualOptions& options, GradientMoments wanted, PatchComparison& comparison,
+             ReblurredPatch& reblurred) {
+  const int samples = pair.blurred ? sampleCount(path.length(), options.sample_spacing_px, options.max_samples) : 1;
+  reblurPatch(*pair.host_image, path, pattern(), samples, reblurred, wanted);
+  comparison.gain =
+      pair.gain * static_cast<float>(pair.vignette.at(path.c0.cast<double>(), residual.centre.cast<double>()));
+  comparePixels(pair, residual, reblurred, comparison);
+  comparison.misfit = weighPixels(comparison.r, residual.weight, options.huber_threshold, comparison.weight);
+  weighComparison(pair, residual, options, comparison);
+  return std::isfinite(comparison.energy);
+}
+
 }  // namespace
 
 void placePixels(const PairGeometry& pair, const Eigen::Vector2d& host_pixel, double inverse_depth,
@@ -105,19 +118,12 @@ float projectionDrift(const PatchPath& path, const Eigen::Vector2d& host_pixel) 
 bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
                   const ResidualOptions& options, PatchComparison& comparison) {
   ReblurredPatch reblurred;
-  return comparePatch(pair, path, residual, options, comparison, reblurred);
+  return compare(pair, path, residual, options, GradientMoments::kFirst, comparison, reblurred);
 }
 
 bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
                   const ResidualOptions& options, PatchComparison& comparison, ReblurredPatch& reblurred) {
-  const int samples = pair.blurred ? sampleCount(path.length(), options.sample_spacing_px, options.max_samples) : 1;
-  reblurPatch(*pair.host_image, path, pattern(), samples, reblurred);
-  comparison.gain =
-      pair.gain * static_cast<float>(pair.vignette.at(path.c0.cast<double>(), residual.centre.cast<double>()));
-  comparePixels(pair, residual, reblurred, comparison);
-  comparison.misfit = weighPixels(comparison.r, residual.weight, options.huber_threshold, comparison.weight);
-  weighComparison(pair, residual, options, comparison);
-  return std::isfinite(comparison.energy);
+  return compare(pair, path, residual, options, GradientMoments::kSecond, comparison, reblurred);
 }
 
 void weighComparison(const PairGeometry& pair, const PatchResidual& residual, const ResidualOptions& options,

@@ -131,6 +131,7 @@ TEST(SampleCount, OneWhenSharpAndBounded) {
   EXPECT_EQ(sampleCount(0.0F, 1.25F, 64), 1);
   EXPECT_EQ(sampleCount(1.2F, 1.25F, 64), 1);
   EXPECT_EQ(sampleCount(10.0F, 1.25F, 64), 8);
+  EXPECT_EQ(sampleCount(40.0F, 1.25F, 64), 16);  // four times as long: twice as many
   EXPECT_EQ(sampleCount(1000.0F, 1.25F, 64), 64);
 }
 

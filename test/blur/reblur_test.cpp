@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "support/jacobian.h"
 #include "support/random.h"
@@ -12,6 +14,8 @@ namespace mba_vo {
 namespace {
 
 const PinholeCamera kCamera{320, 240, 250.0, 250.0, 159.5, 119.5};
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 double texture(double x, double y) {
   return 120.0 + 60.0 * std::sin(0.055 * x + 0.02 * y) + 50.0 * std::cos(0.04 * y - 0.025 * x);
@@ -118,7 +122,7 @@ TEST(ReblurPatch, MomentsGiveTheDerivativesOfTheBlurredIntensity) {
 
 TEST(ReblurPatch, LeavingTheReferenceOrTouchingAnInvalidPixelGivesNaN) {
   ImageLevel level = texturedLevel();
-  level.intensity(100, 100) = std::numeric_limits<float>::quiet_NaN();
+  level.intensity(100, 100) = kNaN;
   PatchPath path;
   ASSERT_TRUE(makePatchPath(kCamera, kCamera, ExposureTrajectory{}, {100.0, 100.0}, 1.0, path));
   const PatchPattern pattern = PatchPattern::square(9);
@@ -131,6 +135,57 @@ TEST(ReblurPatch, LeavingTheReferenceOrTouchingAnInvalidPixelGivesNaN) {
   path.c0 = {-1.0F, 100.0F};
   reblurPatch(level, path, pattern, 1, out);
   for (std::size_t k = 0; k < 81; ++k) EXPECT_EQ(std::isnan(out.value[k]), pattern.dx[k] < 1) << k;
+}
+
+TEST(ReblurPatch, MomentsThatAreNotWantedChangeNothingElse) {
+  const ImageLevel level = texturedLevel();
+  test::Random random(3);
+  const PatchPath path = randomPath(random);
+  ReblurredPatch all, first, none;
+  reblurPatch(level, path, PatchPattern::spread8(), 9, all);
+  reblurPatch(level, path, PatchPattern::spread8(), 9, first, GradientMoments::kFirst);
+  reblurPatch(level, path, PatchPattern::spread8(), 9, none, GradientMoments::kNone);
+  for (std::size_t k = 0; k < 8; ++k) {
+    EXPECT_FLOAT_EQ(none.value[k], all.value[k]);
+    EXPECT_FLOAT_EQ(first.value[k], all.value[k]);
+    EXPECT_FLOAT_EQ(first.ugy[k], all.ugy[k]);
+  }
+}
+
+/// The same path for all pixels of the patch.
+PatchPath parallelPath(const Eigen::Vector2f& centre, const Eigen::Vector2f& way) {
+  PatchPath path;
+  path.c0 = centre;
+  path.c1 = way;
+  path.c2 = 0.1F * Eigen::Vector2f(-way.y(), way.x());
+  path.A0.setIdentity();
+  path.A1.setZero();
+  return path;
+}
+
+TEST(ReblurParallel, IsReblurPatchWhereAllPixelsMoveAlike) {
+  ImageLevel level = texturedLevel();
+  level.intensity(60, 90) = kNaN;
+  const std::vector<PatchPattern> patterns = {PatchPattern::square(1), PatchPattern::square(7), PatchPattern::square(9),
+                                              PatchPattern::spread8()};
+  const float right = static_cast<float>(kCamera.width - 1);
+  // Inside, over an invalid pixel, up to the image's last pixels, and beyond its sides.
+  for (const auto& centre :
+       {Eigen::Vector2f(150.3F, 100.7F), Eigen::Vector2f(90.2F, 63.9F), Eigen::Vector2f(right - 10.01F, 120.4F),
+        Eigen::Vector2f(right - 5.0F, 120.4F), Eigen::Vector2f(8.0F, 3.0F)}) {
+    for (const PatchPattern& pattern : patterns) {
+      const PatchPath path = parallelPath(centre, {11.3F, -4.1F});
+      ReblurredPatch expected;
+      reblurPatch(level, path, pattern, 13, expected);
+      std::array<float, kMaxPatchPixels> value{};
+      reblurParallel(level, path, pattern, 13, value);
+      for (std::size_t k = 0; k < static_cast<std::size_t>(pattern.size); ++k) {
+        ASSERT_EQ(std::isnan(value[k]), std::isnan(expected.value[k])) << centre.transpose() << ", " << k;
+        if (std::isnan(value[k])) continue;
+        EXPECT_NEAR(value[k], expected.value[k], 1e-3);
+      }
+    }
+  }
 }
 
 TEST(ReblurPatch, MidpointSamplesConvergeQuicklyToTheIntegral) {

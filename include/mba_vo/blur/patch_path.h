@@ -91,8 +91,8 @@ bool makePatchPath(const PinholeCamera& reference_camera, const PinholeCamera& c
                    const ExposureTrajectory& trajectory, const Eigen::Vector2d& pixel, double inverse_depth,
                    PatchPath& path);
 
-/// Number of mid-point samples for a path of `length_px` so that neighbours are at most `spacing_px` apart; 1 when
-/// sharp.
+/// Number of mid-point samples for a path of `length_px`: neighbours are at most `spacing_px` apart, on long paths as
+/// many times more as leaves the mean as right; 1 when sharp.
 int sampleCount(float length_px, float spacing_px, int max_samples);
 
 }  // namespace mba_vo
