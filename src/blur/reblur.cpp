@@ -164,7 +164,7 @@ template <GradientMoments kWanted>
 MBA_VO_MULTIVERSION
 void averageValues(const ImageView& image, const PatchPath& path, int samples, const Offsets& offsets, int count,
                    bool inside, ReblurredPatch& __restrict out) {
-  average<GradientMoments::kNone>(image, path, samples, offsets, count, inside, out);
+  average<GradientMoments::kOmitted>(image, path, samples, offsets, count, inside, out);
 }
 
 MBA_VO_MULTIVERSION
@@ -281,7 +281,7 @@ void reblurPatch(const ImageLevel& reference, const PatchPath& path, const Patch
   const int n = std::clamp(samples, 1, kMaxSamples);
   const bool inside = image.holds(path, static_cast<float>(pattern.radius));
   switch (wanted) {
-    case GradientMoments::kNone:
+    case GradientMoments::kOmitted:
       return averageValues(image, path, n, offsets, count, inside, out);
     case GradientMoments::kFirst:
       return averageFirstMoments(image, path, n, offsets, count, inside, out);
@@ -297,7 +297,7 @@ void reblurParallel(const ImageLevel& level, const PatchPath& path, const PatchP
   const int side = 2 * pattern.radius + 1;
   if (side < kNarrowLanes || !image.holds(path, static_cast<float>(pattern.radius))) {  // some pixels may be valid
     ReblurredPatch patch;
-    reblurPatch(level, path, pattern, samples, patch, GradientMoments::kNone);
+    reblurPatch(level, path, pattern, samples, patch, GradientMoments::kOmitted);
     value = patch.value;
     return;
   }

@@ -104,7 +104,7 @@ SearchPatch SearchPatchMaker::makeBlurred(const PatchPath& path, float spacing_p
   SearchPatch patch;
   ReblurredPatch reblurred;
   reblurPatch(*host_, path, pattern_, sampleCount(path.length(), spacing_px, kMaxBlurSamples), reblurred,
-              GradientMoments::kNone);
+              GradientMoments::kOmitted);
   float sum = 0.0F;
   for (std::size_t k = 0; k < SearchPatch::kSize; ++k) {
     patch.dx[k] = static_cast<float>(pattern_.dx[k]);

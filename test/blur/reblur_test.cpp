@@ -144,7 +144,7 @@ TEST(ReblurPatch, MomentsThatAreNotWantedChangeNothingElse) {
   ReblurredPatch all, first, none;
   reblurPatch(level, path, PatchPattern::spread8(), 9, all);
   reblurPatch(level, path, PatchPattern::spread8(), 9, first, GradientMoments::kFirst);
-  reblurPatch(level, path, PatchPattern::spread8(), 9, none, GradientMoments::kNone);
+  reblurPatch(level, path, PatchPattern::spread8(), 9, none, GradientMoments::kOmitted);
   for (std::size_t k = 0; k < 8; ++k) {
     EXPECT_FLOAT_EQ(none.value[k], all.value[k]);
     EXPECT_FLOAT_EQ(first.value[k], all.value[k]);

@@ -27,7 +27,7 @@ struct PatchPattern {
 
 /// Moments of the gradient along the path that are wanted, each with those before it: by depth and pose alone no second
 /// ones, and none to compare intensities.
-enum class GradientMoments { kNone, kFirst, kSecond };
+enum class GradientMoments { kOmitted, kFirst, kSecond };
 
 /// Re-blurred patch (Eq. 6 with mid-point samples) and the moments of the image gradient along the path. With them the
 /// derivative of pixel k is: d B / d delta = [gx gy] J_pose[0] + [ugx ugy] J_pose[1], and likewise for xi and depth.
