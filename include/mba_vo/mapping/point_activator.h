@@ -54,6 +54,7 @@ class PointActivator {
   int visible_ = 0;   // points in it
   int keyframes_;     // in the window
   int residuals_ = 0;
+  int guesses_ = 0;
 };
 
 }  // namespace mba_vo
