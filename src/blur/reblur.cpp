@@ -4,8 +4,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <stdexcept>
-#include <string>
 
 #include "mba_vo/blur/multiversion.h"
 #include "mba_vo/blur/texel_corners.h"
@@ -78,9 +76,9 @@ ImageView viewOf(const ImageLevel& level) {
   clamped = low < most ? low : Floats{} + most;
 }
 
-/// Means over all samples of the pixels `first` and following. `kInside`: none of them leaves the image. Inlined into
+/// Means over all samples of the pixels `first` and following. `Inside`: none of them leaves the image. Inlined into
 /// each of the versions below.
-template <GradientMoments kWanted, bool kInside>
+template <GradientMoments Wanted, bool Inside>
 [[gnu::always_inline]] inline void averageLanes(const ImageView& image, const Placements& at, int samples,
                                                 const Offsets& offsets, int first, ReblurredPatch& __restrict out) {
   Floats dx, dy;
@@ -93,7 +91,7 @@ template <GradientMoments kWanted, bool kInside>
     const Floats y = at.cy[i] + at.a10[i] * dx + at.a11[i] * dy;
     Floats x_in = x;
     Floats y_in = y;
-    if constexpr (!kInside) {
+    if constexpr (!Inside) {
       clamp(x, image.max_x, x_in);
       clamp(y, image.max_y, y_in);
       outside += (x - x_in) * (x - x_in) + (y - y_in) * (y - y_in);
@@ -118,13 +116,13 @@ template <GradientMoments kWanted, bool kInside>
     const Floats gx = upper + fy * (lower - upper);
     const Floats gy = i01 + fx * lower - top;
     value += top + fy * gy;
-    if constexpr (kWanted >= GradientMoments::kFirst) {
+    if constexpr (Wanted >= GradientMoments::kFirst) {
       sum_gx += gx;
       sum_gy += gy;
       sum_ugx += u * gx;
       sum_ugy += u * gy;
     }
-    if constexpr (kWanted >= GradientMoments::kSecond) {
+    if constexpr (Wanted >= GradientMoments::kSecond) {
       sum_uugx += u * u * gx;
       sum_uugy += u * u * gy;
     }
@@ -135,29 +133,29 @@ template <GradientMoments kWanted, bool kInside>
     std::memcpy(mean.data() + first, &scaled, sizeof(scaled));
   };
   write(outside > 0.0F ? Floats{} + kNaN : value, out.value);
-  if constexpr (kWanted >= GradientMoments::kFirst) {
+  if constexpr (Wanted >= GradientMoments::kFirst) {
     write(sum_gx, out.gx);
     write(sum_gy, out.gy);
     write(sum_ugx, out.ugx);
     write(sum_ugy, out.ugy);
   }
-  if constexpr (kWanted >= GradientMoments::kSecond) {
+  if constexpr (Wanted >= GradientMoments::kSecond) {
     write(sum_uugx, out.uugx);
     write(sum_uugy, out.uugy);
   }
 }
 
 /// `inside`: see averageLanes.
-template <GradientMoments kWanted>
+template <GradientMoments Wanted>
 [[gnu::always_inline]] inline void average(const ImageView& image, const PatchPath& path, int samples,
                                            const Offsets& offsets, int count, bool inside,
                                            ReblurredPatch& __restrict out) {
   Placements at;
   place(path, samples, at);
   if (inside) {
-    for (int k = 0; k < count; k += kLanes) averageLanes<kWanted, true>(image, at, samples, offsets, k, out);
+    for (int k = 0; k < count; k += kLanes) averageLanes<Wanted, true>(image, at, samples, offsets, k, out);
   } else {
-    for (int k = 0; k < count; k += kLanes) averageLanes<kWanted, false>(image, at, samples, offsets, k, out);
+    for (int k = 0; k < count; k += kLanes) averageLanes<Wanted, false>(image, at, samples, offsets, k, out);
   }
 }
 
@@ -244,34 +242,6 @@ Offsets makeOffsets(const PatchPattern& pattern, int count) {
 }
 
 }  // namespace
-
-PatchPattern PatchPattern::square(int side) {
-  if (side < 1 || side > 9 || side % 2 == 0) {
-    throw std::invalid_argument("patch pattern: side is " + std::to_string(side) + ", must be odd and at most 9");
-  }
-  PatchPattern pattern;
-  pattern.radius = side / 2;
-  for (int y = -pattern.radius; y <= pattern.radius; ++y) {
-    for (int x = -pattern.radius; x <= pattern.radius; ++x) {
-      pattern.dx[static_cast<std::size_t>(pattern.size)] = x;
-      pattern.dy[static_cast<std::size_t>(pattern.size)] = y;
-      ++pattern.size;
-    }
-  }
-  return pattern;
-}
-
-PatchPattern PatchPattern::spread8() {
-  constexpr int kOffsets[8][2] = {{0, 0}, {-2, 0}, {2, 0}, {0, -2}, {0, 2}, {-1, -1}, {1, -1}, {-1, 1}};
-  PatchPattern pattern;
-  pattern.radius = 2;
-  for (const auto& offset : kOffsets) {
-    pattern.dx[static_cast<std::size_t>(pattern.size)] = offset[0];
-    pattern.dy[static_cast<std::size_t>(pattern.size)] = offset[1];
-    ++pattern.size;
-  }
-  return pattern;
-}
 
 void reblurPatch(const ImageLevel& reference, const PatchPath& path, const PatchPattern& pattern, int samples,
                  ReblurredPatch& out, GradientMoments wanted) {

@@ -1,29 +1,15 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
-#include <vector>
 
 #include "mba_vo/blur/patch_path.h"
+#include "mba_vo/blur/patch_pattern.h"
 #include "mba_vo/image/image_pyramid.h"
 
 namespace mba_vo {
 
-/// Most pixels that a patch can have (9x9 = 81, padded to a multiple of 16).
-inline constexpr int kMaxPatchPixels = 96;
 /// Most samples along a path.
 inline constexpr int kMaxSamples = 256;
-
-/// Pixel offsets of a patch in the blurred image, relative to its integer centre.
-struct PatchPattern {
-  int size = 0;
-  std::array<int, kMaxPatchPixels> dx{};
-  std::array<int, kMaxPatchPixels> dy{};
-  int radius = 0;  // largest |offset|
-
-  static PatchPattern square(int side);  // side odd, at most 9
-  static PatchPattern spread8();         // the sparse 8-pixel pattern of DSO (paper, Fig. 4)
-};
 
 /// Moments of the gradient along the path that are wanted, each with those before it: by depth and pose alone no second
 /// ones, and none to compare intensities.
@@ -46,7 +32,7 @@ void reblurPatch(const ImageLevel& reference, const PatchPath& path, const Patch
                  ReblurredPatch& out, GradientMoments wanted = GradientMoments::kSecond);
 
 /// The values alone of a path that all pixels of the patch follow alike (A0 the identity, A1 zero).
-void reblurParallel(const ImageLevel& image, const PatchPath& path, const PatchPattern& pattern, int samples,
+void reblurParallel(const ImageLevel& level, const PatchPath& path, const PatchPattern& pattern, int samples,
                     std::array<float, kMaxPatchPixels>& value);
 
 }  // namespace mba_vo
