@@ -1,5 +1,6 @@
 #include "mba_vo/mapping/keyframe_selector.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -26,7 +27,16 @@ TrackedFrameConstPtr KeyframeSelector::add(const TrackedFrameConstPtr& frame, co
   const FrameMeasures measures = measureFrame(newest, in_newest);
   const bool explained_badly = isExplainedBadly(*frame, newest.id.keyframe_id);
   if (!candidate_ && (explained_badly || policy_.takes(newest, measures, frame->brightness))) candidate_ = frame;
-  return candidate_ && policy_.isUrgent(newest, measures, frame->brightness) ? takeNow() : nullptr;
+  const double next = needOfNext(policy_.need(newest, measures, frame->brightness), newest.id.keyframe_id);
+  return candidate_ && KeyframePolicy::isUrgent(next) ? takeNow() : nullptr;
+}
+
+/// If it grows as it did: by the time that a keyframe is inserted the next frame is there.
+double KeyframeSelector::needOfNext(double need, KeyframeId newest) {
+  const bool comparable = last_need_ && last_need_->keyframe == newest;
+  const double growth = comparable ? std::max(0.0, need - last_need_->need) : 0.0;
+  last_need_ = {newest, need};
+  return need + growth;
 }
 
 /// What was tracked against an older keyframe says nothing of the newest.
@@ -60,6 +70,7 @@ void KeyframeSelector::reset() {
   candidate_.reset();
   ready_ = false;
   first_error_.reset();
+  last_need_.reset();
 }
 
 }  // namespace mba_vo

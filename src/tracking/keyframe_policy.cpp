@@ -18,10 +18,7 @@ double KeyframePolicy::need(const Reference& reference, const FrameMeasures& fra
          gain_change;
 }
 
-bool KeyframePolicy::isUrgent(const Reference& reference, const FrameMeasures& frame,
-                              const AffineBrightness& brightness) const {
-  return need(reference, frame, brightness) > kUrgentNeed;
-}
+bool KeyframePolicy::isUrgent(double need) { return need > kUrgentNeed; }
 
 bool KeyframePolicy::takes(const Reference& reference, const FrameMeasures& frame,
                            const AffineBrightness& brightness) const {

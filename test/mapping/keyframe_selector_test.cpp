@@ -1,0 +1,75 @@
+#include "mba_vo/mapping/keyframe_selector.h"
+
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "mba_vo/tracking/frame_measures.h"
+
+namespace mba_vo {
+namespace {
+
+const PinholeCamera kCamera{376, 240, 215.0, 215.0, 187.5, 119.5};
+constexpr std::int64_t kInterval = 40'000'000;  // [ns]
+
+/// A wall 2 m away, seen all over the image.
+Reference wall() {
+  Reference reference;
+  reference.pyramid =
+      std::make_shared<const ImagePyramid>(cv::Mat1f(kCamera.height, kCamera.width, 100.0F), kCamera, 1);
+  for (int y = 10; y < kCamera.height; y += 20) {
+    for (int x = 10; x < kCamera.width; x += 20) {
+      reference.points.push_back({{static_cast<float>(x), static_cast<float>(y)}, 0.5F, 1e-4F});
+    }
+  }
+  return reference;
+}
+
+/// A camera that turns, frame by frame, while the window is busy.
+class TurningCamera {
+ public:
+  /// Turned by so much since the keyframe [rad]. The frame that is to become a keyframe now.
+  TrackedFrameConstPtr see(double turned) {
+    auto frame = std::make_shared<Frame>();
+    frame->sequence = ++frames_;
+    frame->mid_exposure_ns = kInterval * static_cast<std::int64_t>(frames_);
+    frame->pyramid = *reference_.pyramid;
+    auto tracked = std::make_shared<TrackedFrame>();
+    tracked->frame = frame;
+    tracked->status = TrackingStatus::kTracking;
+    tracked->trajectory.T_reference_mid = SE3::exp((Vector6() << 0, 0, 0, 0, turned, 0).finished());
+    need_ = KeyframePolicy({}).need(reference_, measureFrame(reference_, tracked->trajectory), {});
+    return selector_.add(tracked, tracked->trajectory.T_reference_mid, reference_, true);
+  }
+  /// Of the last frame.
+  double need() const { return need_; }
+
+ private:
+  const Reference reference_ = wall();
+  KeyframeSelector selector_{KeyframePolicyConfig()};
+  std::uint64_t frames_ = 0;
+  double need_ = 0.0;
+};
+
+TEST(KeyframeSelector, WhileTheWindowIsBusyAKeyframeWaitsAsLongAsTheViewStays) {
+  TurningCamera camera;
+  for (const double turned : {0.10, 0.14, 0.18, 0.21, 0.24, 0.24, 0.24}) EXPECT_FALSE(camera.see(turned)) << turned;
+  EXPECT_GT(camera.need(), 1.5) << "a frame has been chosen";
+}
+
+TEST(KeyframeSelector, ItIsInsertedBeforeTheViewIsLeft) {
+  TurningCamera camera;
+  EXPECT_FALSE(camera.see(0.10));
+  EXPECT_FALSE(camera.see(0.14));
+  EXPECT_TRUE(camera.see(0.24)) << "at this speed the view is left by the next frame";
+  EXPECT_FALSE(KeyframePolicy::isUrgent(camera.need()));
+}
+
+TEST(KeyframeSelector, OneFrameTellsNoSpeed) {
+  TurningCamera camera;
+  EXPECT_FALSE(camera.see(0.24));
+  EXPECT_GT(camera.need(), 1.5);
+}
+
+}  // namespace
+}  // namespace mba_vo
