@@ -27,8 +27,10 @@ TrackedFrameConstPtr KeyframeSelector::add(const TrackedFrameConstPtr& frame, co
   const FrameMeasures measures = measureFrame(newest, in_newest);
   const bool explained_badly = isExplainedBadly(*frame, newest.id.keyframe_id);
   if (!candidate_ && (explained_badly || policy_.takes(newest, measures, frame->brightness))) candidate_ = frame;
-  const double next = needOfNext(policy_.need(newest, measures, frame->brightness), newest.id.keyframe_id);
-  return candidate_ && KeyframePolicy::isUrgent(next) ? takeNow() : nullptr;
+  const double need = policy_.need(newest, measures, frame->brightness);
+  const double next = needOfNext(need, newest.id.keyframe_id);
+  // Its motion is not known well before the frame after it has been seen: that is given up when nothing else helps.
+  return candidate_ && KeyframePolicy::isUrgent(ready_ ? next : need) ? takeNow() : nullptr;
 }
 
 /// If it grows as it did: by the time that a keyframe is inserted the next frame is there.

@@ -60,9 +60,17 @@ TEST(KeyframeSelector, WhileTheWindowIsBusyAKeyframeWaitsAsLongAsTheViewStays) {
 TEST(KeyframeSelector, ItIsInsertedBeforeTheViewIsLeft) {
   TurningCamera camera;
   EXPECT_FALSE(camera.see(0.10));
-  EXPECT_FALSE(camera.see(0.14));
-  EXPECT_TRUE(camera.see(0.24)) << "at this speed the view is left by the next frame";
+  EXPECT_FALSE(camera.see(0.19)) << "chosen, but its motion is told by the next frame only";
+  EXPECT_TRUE(camera.see(0.26)) << "at this speed the view is left by the next frame";
   EXPECT_FALSE(KeyframePolicy::isUrgent(camera.need()));
+}
+
+TEST(KeyframeSelector, WhatWasJustChosenWaitsForTheFrameAfterIt) {
+  TurningCamera camera;
+  EXPECT_FALSE(camera.see(0.10));
+  EXPECT_FALSE(camera.see(0.14));
+  EXPECT_FALSE(camera.see(0.26)) << "the view is left soon, but has not been left";
+  EXPECT_TRUE(camera.see(0.33));
 }
 
 TEST(KeyframeSelector, OneFrameTellsNoSpeed) {
