@@ -1,6 +1,5 @@
 #include "mba_vo/mapping/keyframe_selector.h"
 
-#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -27,18 +26,7 @@ TrackedFrameConstPtr KeyframeSelector::add(const TrackedFrameConstPtr& frame, co
   const FrameMeasures measures = measureFrame(newest, in_newest);
   const bool explained_badly = isExplainedBadly(*frame, newest.id.keyframe_id);
   if (!candidate_ && (explained_badly || policy_.takes(newest, measures, frame->brightness))) candidate_ = frame;
-  const double need = policy_.need(newest, measures, frame->brightness);
-  const double next = needOfNext(need, newest.id.keyframe_id);
-  // Its motion is not known well before the frame after it has been seen: that is given up when nothing else helps.
-  return candidate_ && KeyframePolicy::isUrgent(ready_ ? next : need) ? takeNow() : nullptr;
-}
-
-/// If it grows as it did: by the time that a keyframe is inserted the next frame is there.
-double KeyframeSelector::needOfNext(double need, KeyframeId newest) {
-  const bool comparable = last_need_ && last_need_->keyframe == newest;
-  const double growth = comparable ? std::max(0.0, need - last_need_->need) : 0.0;
-  last_need_ = {newest, need};
-  return need + growth;
+  return candidate_ && policy_.isUrgent(newest, measures, frame->brightness) ? takeNow() : nullptr;
 }
 
 /// What was tracked against an older keyframe says nothing of the newest.
@@ -72,7 +60,6 @@ void KeyframeSelector::reset() {
   candidate_.reset();
   ready_ = false;
   first_error_.reset();
-  last_need_.reset();
 }
 
 }  // namespace mba_vo

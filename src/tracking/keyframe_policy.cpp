@@ -18,7 +18,10 @@ double KeyframePolicy::need(const Reference& reference, const FrameMeasures& fra
          gain_change;
 }
 
-bool KeyframePolicy::isUrgent(double need) { return need > kUrgentNeed; }
+bool KeyframePolicy::isUrgent(const Reference& reference, const FrameMeasures& frame,
+                              const AffineBrightness& brightness) const {
+  return need(reference, frame, brightness) > kUrgentNeed;
+}
 
 bool KeyframePolicy::takes(const Reference& reference, const FrameMeasures& frame,
                            const AffineBrightness& brightness) const {

@@ -20,7 +20,7 @@ class KeyframeSelector {
 
   /// The next frame. `newest`: the newest keyframe; the tracker may still be using an older one. Returns the frame
   /// that is to become a keyframe now, else null. While the window is `busy` with the newest one, the next waits,
-  /// unless its view is being left, as far as the next frame can be foreseen.
+  /// unless its view is being left.
   TrackedFrameConstPtr add(const TrackedFrameConstPtr& frame, const SE3& T_map_camera, const Reference& newest,
                            bool busy);
   /// Whether one waits only because the window was busy.
@@ -43,17 +43,10 @@ class KeyframeSelector {
     double pixel_error;  // of the first frame that was tracked against it [px]
   };
 
-  struct LastNeed {
-    KeyframeId keyframe;
-    double need;  // of the last frame
-  };
-
-  double needOfNext(double need, KeyframeId newest);
   bool isExplainedBadly(const TrackedFrame& frame, KeyframeId newest);
 
   KeyframePolicy policy_;
   std::optional<FirstError> first_error_;
-  std::optional<LastNeed> last_need_;
   FiniteDifferenceVelocity motion_;
   BodyMotion taken_motion_;
   TrackedFrameConstPtr candidate_;  // becomes a keyframe

@@ -32,7 +32,7 @@ class KeyframePolicy {
   /// How much a new keyframe is needed; 1 = take the next sharp frame.
   double need(const Reference& reference, const FrameMeasures& frame, const AffineBrightness& brightness) const;
   /// The view is being left: no blur, and no other work, keeps the next frame from being taken.
-  static bool isUrgent(double need);
+  bool isUrgent(const Reference& reference, const FrameMeasures& frame, const AffineBrightness& brightness) const;
   bool takes(const Reference& reference, const FrameMeasures& frame, const AffineBrightness& brightness) const;
 
  private:
