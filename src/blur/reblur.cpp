@@ -16,6 +16,7 @@ constexpr int kNarrowLanes = 4;  // of a row of five or seven
 using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
 using Ints = int __attribute__((vector_size(kLanes * sizeof(int))));
 
+constexpr float kMargin = 0.01F;  // [px] floats of images of 16,000 pixels a side are exact to a tenth of it
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 struct Offsets {
@@ -51,14 +52,14 @@ struct ImageView {
   float max_x;  // largest coordinates that can be sampled
   float max_y;
 
-  /// The square of `radius`, all along its path: |u| is at most a half.
+  /// The square of `radius`, all along its path, whatever is rounded: |u| is at most a half.
   bool holds(const PatchPath& path, float radius) const {
     const Eigen::Matrix2f spread = path.A0.cwiseAbs() + 0.5F * path.A1.cwiseAbs();
     const Eigen::Vector2f reach =
         radius * spread.rowwise().sum() + 0.5F * path.c1.cwiseAbs() + 0.25F * path.c2.cwiseAbs();
     const Eigen::Vector2f low = path.c0 - reach;
     const Eigen::Vector2f high = path.c0 + reach;
-    return low.x() >= 0.0F && low.y() >= 0.0F && high.x() <= max_x && high.y() <= max_y;
+    return low.minCoeff() >= kMargin && high.x() <= max_x - kMargin && high.y() <= max_y - kMargin;
   }
 };
 

@@ -10,11 +10,6 @@ namespace {
 constexpr double kUnrefinedVariance = 1.0;  // of an inverse depth not refined yet: as good as unknown [1/m^2]
 constexpr double kStarving = 0.35;          // share of the points wanted
 constexpr double kHostBorder = 2.0;         // [px]
-// Three of four are refused, the more the longer a turn lasts: without a limit keyframes took over 100 ms where the
-// next one was needed most. spin, --live, 13 machines (0.88 to 1.12 times as slow), moving images with a pose in time
-// and ATE as published, medians: no limit 86 %, 21.8 mm; 1200 90 %, 19.7 mm; 600 90 %, 21.0 (four of 13 over 50); 300
-// 90 %, 22.0.
-constexpr int kMostGuesses = 1200;
 
 void eraseMarked(std::vector<ImmaturePoint>& points, const std::vector<bool>& marked) {
   auto mark = marked.begin();

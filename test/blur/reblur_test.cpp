@@ -83,6 +83,39 @@ TEST(ReblurPatch, EqualsThePlainSumOverSamples) {
   }
 }
 
+/// Near the sides other code runs, which sees to it that nothing beyond them is read.
+TEST(ReblurPatch, NearTheSidesPixelsAreTheSameSumOrInvalid) {
+  const ImageLevel level = texturedLevel();
+  const PatchPattern pattern = PatchPattern::square(9);
+  constexpr int kSamples = 9;
+  const Eigen::Vector2f last(static_cast<float>(kCamera.width) - 1.001F, static_cast<float>(kCamera.height) - 1.001F);
+  int valid = 0, invalid = 0;
+  test::Random random(4);
+  for (const Eigen::Vector2f& place : {Eigen::Vector2f(6.3F, 100.2F), Eigen::Vector2f(313.6F, 90.4F),
+                                       Eigen::Vector2f(150.7F, 5.1F), Eigen::Vector2f(160.2F, 233.8F)}) {
+    PatchPath path = randomPath(random);
+    path.c0 = place;
+    ReblurredPatch out;
+    reblurPatch(level, path, pattern, kSamples, out);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(pattern.size); ++k) {
+      const Eigen::Vector2f offset(static_cast<float>(pattern.dx[k]), static_cast<float>(pattern.dy[k]));
+      double mean = 0.0;
+      for (int i = 0; i < kSamples; ++i) {
+        const float u = (static_cast<float>(i) + 0.5F) / kSamples - 0.5F;
+        const Eigen::Vector2f x = path.c0 + u * (path.c1 + u * path.c2) + (path.A0 + u * path.A1) * offset;
+        const bool inside = x.minCoeff() >= 0.0F && (last - x).minCoeff() >= 0.0F;
+        mean += inside ? bilinear(level.intensity, x.x(), x.y())(0) / kSamples : std::nan("");
+      }
+      ASSERT_EQ(std::isnan(out.value[k]), std::isnan(mean)) << place.transpose() << ", " << k;
+      ++(std::isnan(mean) ? invalid : valid);
+      if (std::isnan(mean)) continue;
+      EXPECT_NEAR(out.value[k], mean, 2e-3);
+    }
+  }
+  EXPECT_GT(valid, 50);
+  EXPECT_GT(invalid, 50);
+}
+
 /// Intensities of the patch as a function of (delta, epsilon, inverse depth), on the smooth texture itself.
 TEST(ReblurPatch, MomentsGiveTheDerivativesOfTheBlurredIntensity) {
   const ImageLevel level = texturedLevel();
@@ -188,15 +221,18 @@ TEST(ReblurParallel, IsReblurPatchWhereAllPixelsMoveAlike) {
   }
 }
 
-TEST(ReblurPatch, MidpointSamplesConvergeQuicklyToTheIntegral) {
+TEST(ReblurPatch, AsManyMidpointsAsSampleCountSaysGiveTheIntegral) {
   const ImageLevel level = texturedLevel();
-  PatchPath path;
-  const ExposureTrajectory t{SE3(), (Vector6() << 0, 0, 0, 0, 2.0, 0).finished(), 0.02};  // 10 px to the side
-  ASSERT_TRUE(makePatchPath(kCamera, kCamera, t, {160.0, 120.0}, 1.0, path));
-  ReblurredPatch coarse, fine;
-  reblurPatch(level, path, PatchPattern::square(1), 8, coarse);
-  reblurPatch(level, path, PatchPattern::square(1), 200, fine);
-  EXPECT_NEAR(coarse.value[0], fine.value[0], 0.1);
+  for (const double length : {10.0, 20.0, 40.0, 80.0}) {  // [px] to the side
+    PatchPath path;
+    const double rate = length / kCamera.fx / 0.02;
+    const ExposureTrajectory t{SE3(), (Vector6() << 0, 0, 0, 0, rate, 0).finished(), 0.02};
+    ASSERT_TRUE(makePatchPath(kCamera, kCamera, t, {160.0, 120.0}, 1.0, path));
+    ReblurredPatch coarse, fine;
+    reblurPatch(level, path, PatchPattern::square(1), sampleCount(path.length(), 1.25F, 64), coarse);
+    reblurPatch(level, path, PatchPattern::square(1), 256, fine);
+    EXPECT_NEAR(coarse.value[0], fine.value[0], 0.1) << length << " px";
+  }
 }
 
 }  // namespace

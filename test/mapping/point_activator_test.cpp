@@ -83,6 +83,23 @@ TEST_F(PointActivatorTest, FindsDepthsFromThoseAround) {
   EXPECT_GT(right, added * 9 / 10) << "of " << added;
 }
 
+TEST_F(PointActivatorTest, TriesALimitedNumberOfGuesses) {
+  std::vector<ImmaturePoint> many;
+  for (int y = 12; y < camera_.height - 12; y += 3) {
+    for (int x = 12; x < camera_.width - 12; x += 3) {
+      many.emplace_back();
+      many.back().pixel = {x, y};
+    }
+  }
+  PointActivator activator(window_, 2, 1.0);
+  activator.activateGuessed(0, many);
+  const int tried = activator.residuals() / 2;  // two other keyframes
+  EXPECT_LE(tried, PointActivator::kMostGuesses);
+  EXPECT_GT(tried, PointActivator::kMostGuesses / 2);
+  activator.activateGuessed(0, many);
+  EXPECT_EQ(activator.residuals() / 2, tried) << "of all hosts together";
+}
+
 TEST_F(PointActivatorTest, KeepsADistanceBetweenPoints) {
   std::vector<ImmaturePoint> twice = candidates_;
   twice.insert(twice.end(), candidates_.begin(), candidates_.end());

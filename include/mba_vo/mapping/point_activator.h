@@ -13,6 +13,10 @@ namespace mba_vo {
 /// but its own point: the first ones of all free cells are tried side by side, then the next ones of those still free.
 class PointActivator {
  public:
+  /// Guesses that are tried, of all hosts together: most are refused, the more the longer a turn lasts, and the next
+  /// keyframe is needed soon (docs/decisions/2026-11-26-samples-along-a-path.md).
+  static constexpr int kMostGuesses = 1200;
+
   /// The window must outlive the activator. `distance_px`: between points.
   PointActivator(Window& window, KeyframeId newest, double distance_px);
 
@@ -25,7 +29,8 @@ class PointActivator {
   /// And so many that it needs no more.
   bool isFull(int wanted_points) const { return visible_ >= wanted_points; }
   /// Those of the host whose depths have not been found, beginning with the depths of points around: the keyframes
-  /// together tell more than the search in one frame after the other. Takes those away that were activated.
+  /// together tell more than the search in one frame after the other. Takes those away that were activated. No more
+  /// than kMostGuesses are tried.
   void activateGuessed(KeyframeId host, std::vector<ImmaturePoint>& immature);
 
   /// That were compared, of the points that were tried.

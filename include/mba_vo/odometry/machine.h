@@ -19,17 +19,17 @@ struct StepTime {
 /// kitchen: elsewhere too few frames were lost, or tries made.
 struct Machine {
   double cores = 2.0;                  // that can be used at a time
-  double image = 1.2;                  // a frame is made of an image
-  double track = 6.7;                  // a sharp frame is aligned
+  double image = 1.3;                  // a frame is made of an image
+  double track = 7.5;                  // a sharp frame is aligned
   double track_per_px = 0.08;          // and for each pixel of its blur
-  double orientation = 8.7;            // the rotation of a frame is measured while there is no map
-  double look_for_map = 13.0;          // the initialiser takes in a frame
-  double look_for_map_per_1000 = 6.4;  // and for each thousand residuals of structure and motion
-  double first_map = 60.0;             // and makes a map, with its second keyframe
+  double orientation = 7.8;            // the rotation of a frame is measured while there is no map
+  double look_for_map = 16.0;          // the initialiser takes in a frame
+  double look_for_map_per_1000 = 6.7;  // and for each thousand residuals of structure and motion
+  double first_map = 40.0;             // and makes a map, with its second keyframe
   double depth_search = 4.4;           // depths are searched in a frame
-  double draft = 4.0;                  // a keyframe is inserted
-  double draft_per_1000 = 1.8;         // and for each thousand residuals of new points
-  double iteration = 0.0;              // a piece of the optimisation of the window
+  double draft = 5.5;                  // a keyframe is inserted
+  double draft_per_1000 = 1.3;         // and for each thousand residuals of new points
+  double iteration = 0.5;              // a piece of the optimisation of the window
   double iteration_per_1000 = 1.2;     // and for each thousand residuals
   double keyframe = 6.1;               // the last piece of what is done with a keyframe
   double relocalize = 23.0;            // a lost frame is looked for
