@@ -29,7 +29,7 @@ starts=(0 5 10 15 20)
 declare -A limits=(
   [hand]="2.1 1.0"     # 1.54 0.70
   [gentle]="1.0 0.66"  # 0.74 0.44
-  [dim]="7.5 3.1"      # 5.02 2.06; 6.4 mm over 17 starts
+  [dim]="6.3 3.1"      # 5.02 2.06
 )
 declare -A options=(
   [hand]="--scene-seed 31 --trajectory-seed 31"
