@@ -15,6 +15,9 @@ namespace {
 
 constexpr int kStartIterations = 6;           // spent on each alternative start on the coarsest level
 constexpr int kCloseLevel = 1;                // the coarsest for a guess that is close
+// Steps after which a level is done: each takes off two thirds of what is left, and a finer level has a basin of pixels.
+constexpr double kLastStep = 0.03;       // [px] on the finest level
+constexpr double kLastCoarseStep = 0.1;  // [px of the level] on others
 constexpr int kTurnIterations = 30;           // on the search for a turn
 constexpr std::size_t kFinerStarts = 3;       // compared again on the next level
 constexpr double kSameBasin = 0.25;           // [px of the coarsest level] results nearer than this are one
@@ -126,6 +129,7 @@ Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentSt
   }
   LevenbergMarquardtOptions lm;
   lm.max_iterations = max_iterations;
+  lm.last_step = level == 0 ? kLastStep : kLastCoarseStep;
   lm.promised_decrease = lm.relative_decrease;
   return {minimize(problem, initial, lm), problem.patches(), problem.huberThreshold()};
 }

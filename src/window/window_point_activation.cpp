@@ -91,6 +91,11 @@ std::optional<PointState> WindowPointActivation::activate(const WindowState& sta
   }
   if (!acceptable(state, point, current)) return std::nullopt;
   point.information = current.H;
+  // Keyframes in which it cannot be seen now will hardly ever see it: on fast turns these are more than half.
+  auto& residuals = point.residuals;
+  residuals.erase(
+      std::remove_if(residuals.begin(), residuals.end(), [](const PatchResidual& r) { return std::isnan(r.energy); }),
+      residuals.end());
   return point;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "mba_vo/solver/robust_loss.h"
 
@@ -62,6 +63,41 @@ TEST(LevenbergMarquardt, StepsThatPromiseLittleAreNotTried) {
   const auto summary = minimize(valley, nearly, options);
   EXPECT_EQ(summary.iterations, 1);
   EXPECT_EQ(summary.state, nearly);
+}
+
+TEST(LevenbergMarquardt, AShortStepThatWasTriedIsTheLast) {
+  Valley valley;
+  LevenbergMarquardtOptions options = precise();
+  const Eigen::Vector2d nearly(1.001, 1.002);
+  ASSERT_GT(minimize(valley, nearly, options).accepted, 1);
+  options.last_step = 1.0;  // longer than any
+  const auto summary = minimize(valley, nearly, options);
+  EXPECT_EQ(summary.accepted, 1);
+  EXPECT_EQ(summary.iterations, 2);
+}
+
+/// Refuses every step, and counts them by their length.
+struct Refusal : Valley {
+  std::vector<double>* steps;
+  Eigen::Vector2d first;
+  NormalEquations<2> linearize(const State& x) const {
+    NormalEquations<2> equations = Valley::linearize(x);
+    if (x == first) return equations;
+    equations.cost = 1e9;
+    steps->push_back((x - first).norm());
+    return equations;
+  }
+};
+
+TEST(LevenbergMarquardt, ARefusedStepIsNotTriedOnceMore) {
+  std::vector<double> steps;
+  const Eigen::Vector2d first(-1.2, 1.0);
+  Refusal refusal{{}, &steps, first};
+  LevenbergMarquardtOptions options = precise();
+  options.max_rejections = 4;
+  minimize(refusal, first, options);
+  ASSERT_EQ(steps.size(), 4U);
+  EXPECT_LT(steps.back(), 0.5 * steps.front());
 }
 
 TEST(NormalEquations, FixedStatesDoNotMove) {

@@ -63,5 +63,30 @@ TEST(WindowActivation, RefinesDepthsAndRefusesBadPoints) {
   EXPECT_FALSE(window.activatePoints({{2, {100, 100}, -1.0}}).front());
 }
 
+TEST(WindowActivation, AKeyframeThatCannotSeeAPointHasNoResidualOfIt) {
+  Window window(WindowConfig(), true);
+  settle(window);
+  const test::Views& v = views();
+  constexpr double kNear = 6.0;  // [px] to the border: either may be
+  int least = 0, most = 0, all = 0;
+  const int before = window.residualCount();
+  for (int y = 20; y < v.camera.height - 20; y += 9) {
+    const Eigen::Vector2d pixel(9, y);  // the camera moves away from what is there
+    const double d = v.scene.inverseDepth(v.camera, v.truth[0], pixel);
+    if (!window.activatePoints({{0, pixel, d}}).front()) continue;
+    for (std::size_t i = 1; i < v.truth.size(); ++i) {
+      const Eigen::Vector3d seen = v.truth[i].inverse() * (v.truth[0] * (v.camera.unproject(pixel) / d));
+      most += v.camera.contains(v.camera.project(seen), 0.0) ? 1 : 0;
+      least += v.camera.contains(v.camera.project(seen), kNear) ? 1 : 0;
+      ++all;
+    }
+  }
+  const int added = window.residualCount() - before;
+  EXPECT_GE(added, least);
+  EXPECT_LE(added, most);
+  EXPECT_GT(least, 0);
+  EXPECT_LT(most, all);
+}
+
 }  // namespace
 }  // namespace mba_vo

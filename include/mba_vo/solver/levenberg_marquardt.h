@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -14,9 +15,11 @@ struct LevenbergMarquardtOptions {
   double initial_damping = 1e-4;  // relative to the diagonal of the Hessian
   double damping_decrease = 0.2;
   double damping_increase = 8.0;
+  double least_raised_damping = 1e-2;  // after a refused step: less would try the same step once more
   double relative_decrease = 1e-4;  // of the cost; an accepted step below it ends the search
   double promised_decrease = 0.0;   // of the cost by the quadratic model; a step below it ends the search
-  double min_step = 5e-3;           // in the measure of Problem::stepSize; a smaller step ends the search
+  double min_step = 5e-3;           // in the measure of Problem::stepSize; a smaller step is not tried
+  double last_step = 0.0;           // likewise; a smaller step that was tried, taken or not, ends the search
 };
 
 /// `Equations`: what Problem::linearize returns, NormalEquations or derived from them.
@@ -47,19 +50,22 @@ auto minimize(Problem& problem, const State& initial, const LevenbergMarquardtOp
     damped.diagonal() *= 1.0 + damping;
     const Eigen::Matrix<double, Problem::kStates, 1> step = -damped.ldlt().solve(summary.equations.gradient);
     if (!step.allFinite()) {
-      damping *= options.damping_increase;
+      damping = std::max(options.damping_increase * damping, options.least_raised_damping);
       ++rejections;
       continue;
     }
-    if (problem.stepSize(step) < options.min_step) break;
+    const double size = problem.stepSize(step);
+    if (size < options.min_step) break;
     // Near the minimum the noise of the cost is larger than what is left to gain: trying would only be rejected.
     const double promised = -step.dot(summary.equations.gradient + 0.5 * summary.equations.hessian * step);
     if (promised < options.promised_decrease * summary.equations.cost) break;
     const State candidate = problem.plus(summary.state, step);
     auto equations = problem.linearize(candidate);
     ++summary.iterations;
+    const bool is_last = size < options.last_step;
     if (!(equations.cost < summary.equations.cost)) {
-      damping *= options.damping_increase;
+      if (is_last) break;
+      damping = std::max(options.damping_increase * damping, options.least_raised_damping);
       ++rejections;
       continue;
     }
@@ -72,7 +78,7 @@ auto minimize(Problem& problem, const State& initial, const LevenbergMarquardtOp
     if (problem.refresh(candidate)) {
       summary.equations = problem.linearize(candidate);
       ++summary.iterations;
-    } else if (decrease < options.relative_decrease) {
+    } else if (is_last || decrease < options.relative_decrease) {
       break;
     }
   }
