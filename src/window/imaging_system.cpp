@@ -25,8 +25,11 @@ constexpr double kItsHalfReadout = 0.013;  // [s] of those recordings: half of t
 // 23, where 12.6 counts; checked on two others (scripts/webcam.sh --cameras told).
 constexpr double kRollingEvidence = 0.5;
 
-constexpr int kCalibrationStride = 4;  // of the points that tell about the calibration: a quarter is more than enough
-constexpr int kRollingStride = 1;      // and about the motion of every keyframe, 1.1 times better than with 2
+// Residuals that tell about the calibration: a quarter of those of an ordinary window is more than enough. More of them,
+// in the large windows of fast turns, would be no more independent, but make every step of it look significant.
+constexpr int kCalibrationResiduals = 2000;
+constexpr int kLeastCalibrationStride = 4;  // of the points
+constexpr int kRollingStride = 1;           // and about the motion of every keyframe, 1.1 times better than with 2
 
 /// Where the states are: those of the keyframes, then their velocities by the rows, then the correction.
 struct Layout {
@@ -234,9 +237,19 @@ ImagingSystem linearizeImaging(WindowState& state, const WindowLinearizer& linea
   return eliminateKeyframes(reduced, layout, half_readout);
 }
 
+namespace {
+
+int calibrationStride(const WindowState& state) {
+  std::size_t residuals = 0;
+  for (const PointState& point : state.points) residuals += point.residuals.size();
+  return std::max(kLeastCalibrationStride, static_cast<int>(residuals) / kCalibrationResiduals);
+}
+
+}  // namespace
+
 CalibrationSystem refineRowMotions(WindowState& state, const WindowLinearizer& linearizer) {
   const bool rolling = state.keyframes.front().readoutTime() != 0.0;
-  const ImagingSystem imaging = linearizeImaging(state, linearizer, rolling ? kRollingStride : kCalibrationStride);
+  const ImagingSystem imaging = linearizeImaging(state, linearizer, rolling ? kRollingStride : calibrationStride(state));
   auto step = imaging.velocity_steps.begin();
   for (KeyframeState& k : state.keyframes) {
     if (step != imaging.velocity_steps.end()) k.setVelocity(k.velocity + *step++);
