@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mba_vo/geometry/median.h"
+#include "mba_vo/image/image_content.h"
 
 namespace mba_vo {
 
@@ -47,6 +48,20 @@ double medianDepth(const Reference& reference) {
   for (const ReferencePoint& point : reference.points) inverse_depths.push_back(point.inverse_depth);
   if (inverse_depths.empty()) return 1.0;
   return 1.0 / static_cast<double>(median(std::move(inverse_depths)));
+}
+
+double pixelError(const Reference& reference, const std::vector<int>& points, const ImageLevel& frame,
+                  const SE3& T_reference_frame, double residual_rms) {
+  const SE3 T_frame_reference = T_reference_frame.inverse();
+  std::vector<Eigen::Vector2d> patches;
+  for (const int index : points) {
+    const ReferencePoint& p = reference.points[static_cast<std::size_t>(index)];
+    const Eigen::Vector3d in_frame =
+        T_frame_reference * (frame.camera.unproject(p.pixel.cast<double>()) / static_cast<double>(p.inverse_depth));
+    if (in_frame.z() > 0.0) patches.push_back(frame.camera.project(in_frame));
+  }
+  const double gradient = rmsGradient(frame, patches);
+  return gradient > 0.0 ? residual_rms / gradient : 0.0;
 }
 
 }  // namespace mba_vo

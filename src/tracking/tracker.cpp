@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "mba_vo/image/image_content.h"
 #include "mba_vo/solver/levenberg_marquardt.h"
 #include "mba_vo/tracking/expected_error.h"
 #include "mba_vo/tracking/frame_measures.h"
@@ -15,9 +14,11 @@ namespace {
 
 constexpr int kStartIterations = 6;           // spent on each alternative start on the coarsest level
 constexpr int kCloseLevel = 1;                // the coarsest for a guess that is close
-// Steps after which a level is done: each takes off two thirds of what is left, and a finer level has a basin of pixels.
+// Steps after which a level is done: each takes off two thirds of what is left, and a finer level has a basin of pixels
+// (docs/decisions/2026-11-26-fewer-evaluations.md).
 constexpr double kLastStep = 0.03;       // [px] on the finest level
 constexpr double kLastCoarseStep = 0.1;  // [px of the level] on others
+constexpr int kComparedLevels = 2;       // the coarsest: on them starts are compared, far from where they lead
 constexpr int kTurnIterations = 30;           // on the search for a turn
 constexpr std::size_t kFinerStarts = 3;       // compared again on the next level
 constexpr double kSameBasin = 0.25;           // [px of the coarsest level] results nearer than this are one
@@ -129,7 +130,8 @@ Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentSt
   }
   LevenbergMarquardtOptions lm;
   lm.max_iterations = max_iterations;
-  lm.last_step = level == 0 ? kLastStep : kLastCoarseStep;
+  const bool compared = level + kComparedLevels >= static_cast<int>(job.points.size());
+  if (!compared) lm.last_step = level == 0 ? kLastStep : kLastCoarseStep;
   lm.promised_decrease = lm.relative_decrease;
   return {minimize(problem, initial, lm), problem.patches(), problem.huberThreshold()};
 }
@@ -235,20 +237,6 @@ Matrix12 Tracker::covarianceOf(const Job& job, const LevelResult& result, double
   return covariance;
 }
 
-double Tracker::pixelError(const Job& job, const LevelResult& result) {
-  const SE3 T_frame_reference = result.minimum.state.T_reference_mid.inverse();
-  const ImageLevel& level = job.frame.pyramid.level(0);
-  std::vector<Eigen::Vector2d> patches;
-  for (const int index : job.points.front()) {
-    const ReferencePoint& p = job.reference.points[static_cast<std::size_t>(index)];
-    const Eigen::Vector3d in_frame =
-        T_frame_reference * (level.camera.unproject(p.pixel.cast<double>()) / static_cast<double>(p.inverse_depth));
-    if (in_frame.z() > 0.0) patches.push_back(level.camera.project(in_frame));
-  }
-  const double gradient = rmsGradient(level, patches);
-  return gradient > 0.0 ? result.minimum.equations.statistics.weighted_rms / gradient : 0.0;
-}
-
 TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& given, const TrackingGuess& guess) const {
   const auto begin = std::chrono::steady_clock::now();
   // An image that was made with another calibration than the reference goes by shows everything beside its place.
@@ -287,7 +275,8 @@ TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& giv
   tracked.measures = measureFrame(reference, tracked.trajectory);
   tracked.xi_prior_limited = tracked.measures.blur_length_px < kObservableBlur;
   tracked.covariance = covarianceOf(job, result, tracked.measures.blur_length_px);
-  tracked.pixel_error = pixelError(job, result);
+  tracked.pixel_error = pixelError(reference, job.points.front(), frame->pyramid.level(0), state.T_reference_mid,
+                                   tracked.residual_rms);
   // Points at infinity say nothing of the position.
   if (!reference.at_infinity) {
     tracked.expected_error =

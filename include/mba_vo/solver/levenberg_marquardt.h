@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -15,11 +14,10 @@ struct LevenbergMarquardtOptions {
   double initial_damping = 1e-4;  // relative to the diagonal of the Hessian
   double damping_decrease = 0.2;
   double damping_increase = 8.0;
-  double least_raised_damping = 1e-2;  // after a refused step: less would try the same step once more
   double relative_decrease = 1e-4;  // of the cost; an accepted step below it ends the search
   double promised_decrease = 0.0;   // of the cost by the quadratic model; a step below it ends the search
   double min_step = 5e-3;           // in the measure of Problem::stepSize; a smaller step is not tried
-  double last_step = 0.0;           // likewise; a smaller step that was tried, taken or not, ends the search
+  double last_step = 0.0;           // likewise; a smaller step that is not small by damping is the last to be tried
 };
 
 /// `Equations`: what Problem::linearize returns, NormalEquations or derived from them.
@@ -50,7 +48,7 @@ auto minimize(Problem& problem, const State& initial, const LevenbergMarquardtOp
     damped.diagonal() *= 1.0 + damping;
     const Eigen::Matrix<double, Problem::kStates, 1> step = -damped.ldlt().solve(summary.equations.gradient);
     if (!step.allFinite()) {
-      damping = std::max(options.damping_increase * damping, options.least_raised_damping);
+      damping *= options.damping_increase;
       ++rejections;
       continue;
     }
@@ -62,10 +60,10 @@ auto minimize(Problem& problem, const State& initial, const LevenbergMarquardtOp
     const State candidate = problem.plus(summary.state, step);
     auto equations = problem.linearize(candidate);
     ++summary.iterations;
-    const bool is_last = size < options.last_step;
+    const bool is_last = size < options.last_step && damping <= options.initial_damping;
     if (!(equations.cost < summary.equations.cost)) {
       if (is_last) break;
-      damping = std::max(options.damping_increase * damping, options.least_raised_damping);
+      damping *= options.damping_increase;
       ++rejections;
       continue;
     }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "mba_vo/geometry/exposure_trajectory.h"
 #include "mba_vo/tracking/reference.h"
 
@@ -17,5 +19,10 @@ FrameMeasures measureFrame(const Reference& reference, const ExposureTrajectory&
 
 /// Of the points of a reference; 1 if it has none [m].
 double medianDepth(const Reference& reference);
+
+/// Residuals over the gradients of the frame where it sees these points of the reference: by how much the pose is wrong
+/// at most, if nothing else is [px]. 0 where there are no gradients.
+double pixelError(const Reference& reference, const std::vector<int>& points, const ImageLevel& frame,
+                  const SE3& T_reference_frame, double residual_rms);
 
 }  // namespace mba_vo

@@ -84,7 +84,6 @@ class Tracker {
   LevelResult preferExpectedDirection(const Job& job, const LevelResult& result) const;
   std::optional<AlignmentPrior> priorFor(const Job& job, const AlignmentState& state) const;
   Matrix12 covarianceOf(const Job& job, const LevelResult& result, double blur_px) const;
-  static double pixelError(const Job& job, const LevelResult& result);
   void judge(const Reference& reference, double log_gain, TrackedFrame& tracked) const;
 
   TrackerConfig config_;
