@@ -12,13 +12,13 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kStartIterations = 6;           // spent on each alternative start on the coarsest level
-constexpr int kCloseLevel = 1;                // the coarsest for a guess that is close
+constexpr int kStartIterations = 6;  // spent on each alternative start on the coarsest level
+constexpr int kCloseLevel = 1;       // the coarsest for a guess that is close
 // Steps after which a level is done: each takes off two thirds of what is left, and a finer level has a basin of pixels
 // (docs/decisions/2026-11-26-fewer-evaluations.md).
-constexpr double kLastStep = 0.03;       // [px] on the finest level
-constexpr double kLastCoarseStep = 0.1;  // [px of the level] on others
-constexpr int kComparedLevels = 2;       // the coarsest: on them starts are compared, far from where they lead
+constexpr double kLastStep = 0.03;            // [px] on the finest level
+constexpr double kLastCoarseStep = 0.1;       // [px of the level] on others
+constexpr int kComparedLevels = 2;            // the coarsest: on them starts are compared, far from where they lead
 constexpr int kTurnIterations = 30;           // on the search for a turn
 constexpr std::size_t kFinerStarts = 3;       // compared again on the next level
 constexpr double kSameBasin = 0.25;           // [px of the coarsest level] results nearer than this are one
@@ -275,8 +275,8 @@ TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& giv
   tracked.measures = measureFrame(reference, tracked.trajectory);
   tracked.xi_prior_limited = tracked.measures.blur_length_px < kObservableBlur;
   tracked.covariance = covarianceOf(job, result, tracked.measures.blur_length_px);
-  tracked.pixel_error = pixelError(reference, job.points.front(), frame->pyramid.level(0), state.T_reference_mid,
-                                   tracked.residual_rms);
+  tracked.pixel_error =
+      pixelError(reference, job.points.front(), frame->pyramid.level(0), state.T_reference_mid, tracked.residual_rms);
   // Points at infinity say nothing of the position.
   if (!reference.at_infinity) {
     tracked.expected_error =

@@ -25,8 +25,8 @@ constexpr double kItsHalfReadout = 0.013;  // [s] of those recordings: half of t
 // 23, where 12.6 counts; checked on two others (scripts/webcam.sh --cameras told).
 constexpr double kRollingEvidence = 0.5;
 
-// Residuals that tell about the calibration: a quarter of those of an ordinary window is more than enough. More of them,
-// in the large windows of fast turns, would be no more independent, but make every step of it look significant.
+// Residuals that tell about the calibration: a quarter of those of an ordinary window is more than enough. More of
+// them, in the large windows of fast turns, would be no more independent, but make every step of it look significant.
 constexpr int kCalibrationResiduals = 2000;
 constexpr int kLeastCalibrationStride = 4;  // of the points
 constexpr int kRollingStride = 1;           // and about the motion of every keyframe, 1.1 times better than with 2
@@ -249,7 +249,8 @@ int calibrationStride(const WindowState& state) {
 
 CalibrationSystem refineRowMotions(WindowState& state, const WindowLinearizer& linearizer) {
   const bool rolling = state.keyframes.front().readoutTime() != 0.0;
-  const ImagingSystem imaging = linearizeImaging(state, linearizer, rolling ? kRollingStride : calibrationStride(state));
+  const ImagingSystem imaging =
+      linearizeImaging(state, linearizer, rolling ? kRollingStride : calibrationStride(state));
   auto step = imaging.velocity_steps.begin();
   for (KeyframeState& k : state.keyframes) {
     if (step != imaging.velocity_steps.end()) k.setVelocity(k.velocity + *step++);
