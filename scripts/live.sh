@@ -10,6 +10,8 @@
 #   --player-cores LIST   of the player of the bag; as the nodes
 #   --runs N       times that each is played (1); of several the medians are printed
 #   SEQUENCE       desk shake kitchen spin, or another folder in --data (desk shake kitchen)
+#
+# A run beside which the machine itself was slow, as one that it shares with others may be, is marked: run it again.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -40,6 +42,29 @@ bin=devel/lib/mba_vo
 
 source scripts/figures.sh
 
+# fixed_work: how long the cores of the nodes take for it [ms]
+fixed_work() {
+  local begin
+  begin=$(date +%s%N)
+  for ((core = 0; core < $(taskset --cpu-list "$cores" nproc); ++core)); do
+    taskset --cpu-list "$cores" awk 'BEGIN { for (i = 0; i < 24000000; ++i) sum += i }' &
+  done
+  wait
+  echo $((($(date +%s%N) - begin) / 1000000))
+}
+
+quickest=$(fixed_work)
+
+# mark_slow: says so if the machine is slower by a quarter than it was at its quickest
+mark_slow() {
+  local now
+  now=$(fixed_work)
+  if [ "$now" -lt "$quickest" ]; then quickest=$now; fi
+  if [ $((4 * now)) -gt $((5 * quickest)) ]; then
+    echo "  the machine is slow $1: $now ms for what it did in $quickest ms"
+  fi
+}
+
 # play NAME SEQUENCE: one run, into $output/NAME
 play() {
   local folder=$output/$1 bag=$output/$2.bag truth=$output/$2
@@ -53,8 +78,10 @@ play() {
   if [ ! -s "$bag" ]; then
     "$bin/mba_vo_make_bag" "$data/$2" --output "$bag" --time-offset "$offset" >/dev/null
   fi
+  mark_slow "before $1"
   taskset --cpu-list "$cores" roslaunch mba_vo demo.launch bag:="$bag" output:="$folder" \
     player_prefix:="taskset --cpu-list ${player_cores:-$cores}" >"$folder/log.txt" 2>&1 || true
+  mark_slow "after $1"
   if ! evaluate "$truth" "$folder" >"$folder/evaluation.txt" 2>&1; then
     printf '%-20s failed: %s\n' "$1" "$(tail -n 1 "$folder/evaluation.txt")"
     return 0
