@@ -55,12 +55,12 @@ fixed_work() {
 
 quickest=$(fixed_work)
 
-# mark_slow: says so if the machine is slower by a quarter than it was at its quickest
+# mark_slow: says so if the machine is slower by a half than it was at its quickest
 mark_slow() {
   local now
   now=$(fixed_work)
   if [ "$now" -lt "$quickest" ]; then quickest=$now; fi
-  if [ $((4 * now)) -gt $((5 * quickest)) ]; then
+  if [ $((2 * now)) -gt $((3 * quickest)) ]; then
     echo "  the machine is slow $1: $now ms for what it did in $quickest ms"
   fi
 }
