@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Renders three short sequences, runs the odometry over each from five starts, as if live (mba_vo_offline --live), and fails
+# Renders three short sequences, runs the odometry over each from several starts, as if live (mba_vo_offline --live), and fails
 # if a run does, or if the median of the error, as published or smoothed, is above its limit: at most 1.5 times what it was
 # when this was last set.
 #
@@ -23,13 +23,18 @@ while [ $# -gt 0 ]; do
 done
 
 source scripts/figures.sh
-starts=(0 5 10 15 20)
+# Images left out at the beginning. In the dim room one start has 3.3 to 16 mm: medians of five are 3.9 to 7.6.
+declare -A starts=(
+  [hand]="0 5 10 15 20"
+  [gentle]="0 5 10 15 20"
+  [dim]="0 2 4 6 8 10 12 14 16 18 20"
+)
 
 # Limits in mm, as published and smoothed, beside the medians that they come from; and how each is rendered.
 declare -A limits=(
   [hand]="2.1 1.0"     # 1.54 0.70
   [gentle]="1.0 0.66"  # 0.74 0.44
-  [dim]="6.3 3.1"      # 5.02 2.06
+  [dim]="7.6 3.1"      # 5.7 2.6, of 34 starts
 )
 declare -A options=(
   [hand]="--scene-seed 31 --trajectory-seed 31"
@@ -63,7 +68,7 @@ for name in hand gentle dim; do
     "$bin/mba_vo_simulate" --width 376 --height 240 --fx 215 --duration 7 "${arguments[@]}" --output "$sequence" --overwrite >/dev/null
   fi
   published=() smoothed=()
-  for start in "${starts[@]}"; do
+  for start in ${starts[$name]}; do
     run_and_print "$name-$start" "$sequence" --live --skip "$start"
     published+=("$(figure "$output/$name-$start/evaluation.yaml" causal.map.ate rmse || true)")
     smoothed+=("$(figure "$output/$name-$start/evaluation.yaml" smoothed.ate rmse || true)")
