@@ -91,7 +91,7 @@ std::optional<PointState> WindowPointActivation::activate(const WindowState& sta
   }
   if (!acceptable(state, point, current)) return std::nullopt;
   point.information = current.H;
-  // Keyframes in which it cannot be seen now will hardly ever see it: on fast turns these are more than half.
+  // Keyframes in which it cannot be seen now will hardly ever see it: on fast turns these are up to half.
   auto& residuals = point.residuals;
   residuals.erase(
       std::remove_if(residuals.begin(), residuals.end(), [](const PatchResidual& r) { return std::isnan(r.energy); }),

@@ -40,6 +40,22 @@ TEST(ImagingSystem, AWindowWithoutPointsSaysNothing) {
   EXPECT_TRUE(system.velocity_steps.empty());
 }
 
+TEST(ImagingSystem, LargeWindowsSayNoMoreOfTheCalibrationThanOrdinaryOnes) {
+  const WindowLinearizer linearizer(smoothOptions(), true);
+  const auto evidenceOf = [&](int copies) {  // of 40 points with two residuals each
+    Random random(29);
+    WindowState state = randomState(random, Exposure::kBlurred);
+    linearizer.placePixels(state, 0.75F);
+    std::vector<PointState> points;
+    for (const PointState& point : state.points) points.insert(points.end(), static_cast<std::size_t>(copies), point);
+    state.points = points;
+    return refineRowMotions(state, linearizer).H;
+  };
+  const CalibrationCorrection::Matrix ordinary = evidenceOf(100), large = evidenceOf(400);
+  ASSERT_GT(ordinary.trace(), 2.0 * evidenceOf(40).trace());
+  EXPECT_LT((large - ordinary).norm(), 1e-3 * ordinary.norm());
+}
+
 /// Sharp keyframes with a rolling shutter, rendered row by row, with points at their true depths.
 struct RollingWindow {
   static constexpr int kKeyframes = 5;
