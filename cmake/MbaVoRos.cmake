@@ -17,6 +17,7 @@ find_package(catkin REQUIRED COMPONENTS camera_info_manager cv_bridge diagnostic
 
 add_message_files(FILES ExposureMotion.msg ExposureStamped.msg MapperStatus.msg ReferenceSummary.msg Status.msg
   TrackedFrameSummary.msg)
+add_service_files(FILES MapFile.srv)
 generate_messages(DEPENDENCIES ${MBA_VO_MESSAGE_PACKAGES})
 catkin_package(
   INCLUDE_DIRS include

@@ -23,6 +23,7 @@ mba_vo_tool(mba_vo_check mba_vo_inspection)
 mba_vo_tool(mba_vo_deblur mba_vo_datasets)
 mba_vo_tool(mba_vo_evaluate mba_vo_datasets)
 mba_vo_tool(mba_vo_export mba_vo_datasets)
+mba_vo_tool(mba_vo_map mba_vo_io)
 mba_vo_tool(mba_vo_offline mba_vo_datasets)
 mba_vo_tool(mba_vo_simulate mba_vo_simulation mba_vo_io)
 foreach(program mba_vo_calibrate mba_vo_export mba_vo_offline)  # that read any recording

@@ -7,6 +7,8 @@ find_dependency(OpenCV COMPONENTS core imgproc imgcodecs calib3d video videoio d
 find_dependency(TBB)
 find_dependency(yaml-cpp)
 find_dependency(CHOLMOD)
+find_dependency(ZLIB)
+find_dependency(cereal)
 list(REMOVE_AT CMAKE_MODULE_PATH 0)
 if(NOT TARGET mba_vo::io)  # as in a workspace that catkin_make builds in one go
   include(${mba_vo_DIR}/mba_voTargets.cmake)

@@ -13,6 +13,7 @@
 #include "mba_vo/io/calibrated_run.h"
 #include "mba_vo/io/camera_memory.h"
 #include "mba_vo/io/faulty_sequence.h"
+#include "mba_vo/io/map_file.h"
 #include "mba_vo/io/run_writer.h"
 #include "mba_vo/io/trajectory_writer.h"
 #include "mba_vo/odometry/config_yaml.h"
@@ -25,6 +26,9 @@ struct Arguments {
   RecordingArguments recording;
   std::string output;
   std::string config_file;
+  std::string map_file;
+  std::string save_map_file;
+  bool localize_only = false;
   std::vector<std::string> faults;
   unsigned fault_seed = 1;
   int reference_delay = 0;
@@ -39,6 +43,10 @@ void describe(CLI::App& app, Arguments& a) {
   describeRecording(app, a.recording);
   app.add_option("--output", a.output, "folder for the results, made if need be");
   app.add_option("--config", a.config_file, "YAML file with options; see --print-config");
+  app.add_option("--map", a.map_file,
+                 "map of an earlier run: the camera is looked for in it, and the run goes on there");
+  app.add_flag("--localize-only", a.localize_only, "with --map: it stays as it is, and is looked in until it is found");
+  app.add_option("--save-map", a.save_map_file, "file for the map, for --map of a later run");
   app.add_option("--faults", a.faults,
                  "spoils the recording on purpose: all, or a list of black saturated covered frozen unreadable gap "
                  "forwards backwards restart brightness exposure kidnap")
@@ -63,6 +71,7 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const Arguments& a) 
           {"images", a.recording.images},
           {"depth", a.recording.depth.subfolder + a.recording.depth_topic},
           {"config", a.config_file},
+          {"map", a.map_file},
           {"exposure", a.recording.exposure},
           {"deterministic", a.deterministic ? "yes" : "no"},
           {"reference_delay_frames", std::to_string(a.reference_delay)},
@@ -105,6 +114,12 @@ std::optional<mba_vo::Machine> machineOf(const Arguments& a) {
   return machine.slowedBy(a.slower);
 }
 
+void saveMap(const mba_vo::OfflineResult& result, const std::string& file) {
+  if (!result.map) throw std::runtime_error(file + ": not written: there is no map at the end of the run");
+  mba_vo::writeMap(file, *result.map);
+  std::cout << file << ": " << result.map->keyframes.size() << " keyframes\n";
+}
+
 void run(const Arguments& a) {
   mba_vo::OfflineOptions options;
   if (!a.config_file.empty()) {
@@ -119,6 +134,9 @@ void run(const Arguments& a) {
     throw std::runtime_error("SEQUENCE and --output are needed; see --help");
   }
   options.config.mapper.deterministic = a.deterministic || a.live;
+  options.config.mapper.localize_only = options.config.mapper.localize_only || a.localize_only;
+  if (!a.map_file.empty()) options.map = std::make_shared<mba_vo::SavedMap>(mba_vo::readMap(a.map_file));
+  options.keep_map = !a.save_map_file.empty();
   options.live = machineOf(a);
   options.exposure = exposureOverride(a.recording);
   options.skip = a.recording.skip;
@@ -135,6 +153,7 @@ void run(const Arguments& a) {
     const std::string file = (std::filesystem::path(a.output) / "faults.csv").string();
     mba_vo::writeFile(file, [&](std::ostream& out) { mba_vo::writeFaults(faults, out); });
   }
+  if (!a.save_map_file.empty()) saveMap(result, a.save_map_file);
   if (result.settled_correction) memory.keep(*result.settled_correction);
   printCounts(result);
 }

@@ -1,8 +1,6 @@
 #include "mba_vo/io/camera_memory.h"
 
-#include <cerrno>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <stdexcept>
 #include <vector>
@@ -98,18 +96,13 @@ void CameraMemory::keep(const CalibrationCorrection& correction) {
   root["version"] = kVersion;
   root["camera"] = describe(*calibration_, image_);
   root["correction"] = std::vector<double>(correction.values.data(), correction.values.data() + Correction::kDim);
-  const std::string unfinished = image_.learnt_file + ".part";
-  errno = 0;
-  std::ofstream out(unfinished);
-  out << "# What mba_vo has learnt of this camera. Delete the file to begin anew.\n"
-      << "# correction: focal length (relative), centre x, y (focal lengths), k1, k2, row time [s], and the "
-         "vignette's\n"
-      << "# v1, v2, v3: log of the light = v1 q + v2 q^2 + v3 q^3, q the squared radius, 1 in the corners.\n"
-      << textOf(root) << "\n";
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(unfinished, image_.learnt_file, error);
-  if (!out || error) throw std::runtime_error(cannotBeWritten(image_.learnt_file));
+  replaceFile(image_.learnt_file, [&](std::ostream& out) {
+    out << "# What mba_vo has learnt of this camera. Delete the file to begin anew.\n"
+        << "# correction: focal length (relative), centre x, y (focal lengths), k1, k2, row time [s], and the "
+           "vignette's\n"
+        << "# v1, v2, v3: log of the light = v1 q + v2 q^2 + v3 q^3, q the squared radius, 1 in the corners.\n"
+        << textOf(root) << "\n";
+  });
 }
 
 }  // namespace mba_vo

@@ -66,6 +66,7 @@ class Run {
         camera_(pinholeOf(calibration)),
         odometry_(makeRun(options)) {
     odometry_->setCalibration(calibration, options.known);
+    if (options.map) odometry_->beginIn(options.map);
   }
 
   void process(CameraImage image, OfflineResult& result) {
@@ -189,6 +190,7 @@ OfflineResult runOffline(SequenceReader& reader, const OfflineOptions& options, 
   result.trajectory = std::move(smoothed.entries);
   result.loops = std::move(smoothed.loops);
   result.points = run.mapper().points();
+  if (options.keep_map) result.map = run.mapper().savedMap();
   result.deblurring = run.mapper().deblurCounts();
   result.machine = run.machine();
   result.log.settle(result.trajectory);

@@ -1,6 +1,7 @@
 #include "mba_vo/io/trajectory_writer.h"
 
 #include <cerrno>
+#include <filesystem>
 #include <fstream>
 #include <iomanip>
 #include <optional>
@@ -88,6 +89,17 @@ void writeFile(const std::string& file, const std::function<void(std::ostream&)>
   if (!stream.flush()) {
     throw std::runtime_error(cannotBeWritten(file));
   }
+}
+
+void replaceFile(const std::string& file, const std::function<void(std::ostream&)>& write) {
+  const std::string unfinished = file + ".part";
+  errno = 0;
+  std::ofstream out(unfinished, std::ios::binary);
+  if (out) write(out);
+  out.close();
+  std::error_code error;
+  if (out) std::filesystem::rename(unfinished, file, error);
+  if (!out || error) throw std::runtime_error(cannotBeWritten(file));
 }
 
 std::string cannotBeWritten(const std::string& file) {

@@ -39,7 +39,7 @@ void LoopClosing::forgetMap() {
 }
 
 SmoothedTrajectory LoopClosing::smoothed(const TrajectoryStore& store, const LocalMap* map) const {
-  if (!queue_) return {store.entries(), {}};
+  if (!queue_) return {store.entries(), {}, {}};
   LoopCloser closer = queue_->settled();  // a copy: the map goes on as if nobody had asked
   if (map != nullptr) {
     for (const ArchivedKeyframeConstPtr& keyframe : map->archived()) closer.add(keyframe);
@@ -50,7 +50,6 @@ SmoothedTrajectory LoopClosing::smoothed(const TrajectoryStore& store, const Loc
   for (const LoopTrial& trial : smoothed.loops) {
     if (trial.verdict.accepted()) maps.insert(trial.map);
   }
-  TrajectoryStore::CorrectedKeyframes corrected;
   for (const MapId id : maps) {
     std::vector<OdometryKeyframe> keyframes;
     for (const TrajectoryStore::KeyframePlace& place : store.keyframes(id)) {
@@ -61,10 +60,10 @@ SmoothedTrajectory LoopClosing::smoothed(const TrajectoryStore& store, const Loc
       if (trial.map == id && trial.verdict.accepted()) loops.push_back(&trial);
     }
     for (const auto& [keyframe, S] : correctByLoops(keyframes, loops, closer.usualDepth())) {
-      corrected[{id, keyframe}] = S;
+      smoothed.corrected[{id, keyframe}] = S;
     }
   }
-  smoothed.entries = store.entries(corrected);
+  smoothed.entries = store.entries(smoothed.corrected);
   return smoothed;
 }
 

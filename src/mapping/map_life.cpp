@@ -11,11 +11,20 @@ constexpr int kFramesUntilResend = 15;  // the first reference may still be on i
 
 }  // namespace
 
+MapperOutput Mapper::Impl::findMap(const TrackedFrame& frame) {
+  return earlier_ ? locate(frame) : initialize(frame.frame);
+}
+
+/// Frames that were tracked late come once more.
+bool Mapper::Impl::isKnownWithoutMap(const Frame& frame) {
+  const bool is_known = newest_without_map_ns_ && frame.mid_exposure_ns <= *newest_without_map_ns_;
+  if (!is_known) newest_without_map_ns_ = frame.mid_exposure_ns;
+  return is_known;
+}
+
 MapperOutput Mapper::Impl::initialize(const FrameConstPtr& frame) {
   MapperOutput output;
-  // Frames that were tracked late come once more.
-  if (newest_initializing_ns_ && frame->mid_exposure_ns <= *newest_initializing_ns_) return output;
-  newest_initializing_ns_ = frame->mid_exposure_ns;
+  if (isKnownWithoutMap(*frame)) return output;
   if (!calibration_) beginCalibration(frame->correction);
   std::unique_ptr<InitialMap> initial = initializer_.add(withCamera(frame, calibration_->correction()));
   output.residuals = initializer_.residuals();
@@ -133,19 +142,24 @@ MapperOutput Mapper::Impl::handleLost(const TrackedFrame& frame, bool has_time) 
   }
   if (!recovery_.isLostForGood()) return output;
   output.reference = closed("lost for too long, no map yet");
-  output.message = "lost for too long: a new map begins";
+  output.message = earlier_ ? "lost for too long: the camera is looked for in the map that was loaded"
+                            : "lost for too long: a new map begins";
+  if (earlier_) earlier_->map = savedMap().value_or(earlier_->map);
   forgetMap();
   return output;
 }
 
 MapperOutput Mapper::Impl::goOnFrom(const Relocalizer::Found& found, MapperOutput output) {
-  const bool departed = !map_->has(found.keyframe);
+  const bool begins = !map_;
+  const bool departed = begins || !map_->has(found.keyframe);
   if (departed) {
-    loops_.close(*map_);
-    map_ = recovery_.windowAt(found, *map_, store_, *calibration_);
+    if (!begins) loops_.close(*map_);
+    if (begins) calibration_before_map_ = *calibration_;
+    map_ = recovery_.windowAt(found, begins ? identityOfEarlierMap() : map_->identity(), store_, *calibration_);
   }
   const KeyframeId keyframe = departed ? map_->newestKeyframe() : found.keyframe;
-  const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kFoundAgain, keyframe, health_.doubt());
+  const auto cause = begins ? ReferenceCause::kMapBegins : ReferenceCause::kFoundAgain;
+  const std::shared_ptr<Reference> reference = snapshot(cause, keyframe, health_.doubt());
   reference->hint = found.hint;
   reference_ = reference;
   if (departed) deblur(found.keyframe_frame);
@@ -153,7 +167,9 @@ MapperOutput Mapper::Impl::goOnFrom(const Relocalizer::Found& found, MapperOutpu
   last_keyframe_ = keyframe;
   selector_.restart(last_.mid_exposure_ns, reference->T_map_reference * last_.trajectory.T_reference_mid);
   output.reference = reference_;
-  output.message = "found again by keyframe " + std::to_string(found.keyframe);
+  output.message = begins ? "found in the map that was loaded, as map " + std::to_string(map_->id()) + ", by keyframe "
+                          : "found again by keyframe ";
+  output.message += std::to_string(found.keyframe);
   return output;
 }
 
@@ -202,7 +218,7 @@ void Mapper::Impl::forgetMap() {
   map_.reset();
   reference_.reset();
   initializer_.reset();
-  newest_initializing_ns_.reset();
+  newest_without_map_ns_.reset();
   health_.reset();
   recovery_.reset();
   deblurring_.forgetMap();
@@ -212,6 +228,7 @@ void Mapper::Impl::forgetMap() {
   loops_.forgetMap();
   last_ = {};
   frames_without_reference_ = 0;
+  if (earlier_) lookInEarlierMap();
 }
 
 }  // namespace mba_vo

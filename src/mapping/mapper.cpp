@@ -20,7 +20,7 @@ Mapper::Impl::Impl(const MapperConfig& config, std::shared_ptr<const Deblurrer> 
 MapperOutput Mapper::Impl::process(const TrackedFrameConstPtr& frame, bool has_time) {
   // The tracker may know a map of a mapper that was there before this one.
   if (!map_) next_map_id_ = std::max(next_map_id_, frame->reference.map_id + 1);
-  if (!map_) return frame->blind || !has_time ? MapperOutput() : initialize(frame->frame);
+  if (!map_) return frame->blind || !has_time ? MapperOutput() : findMap(*frame);
   if (frame->frame->mid_exposure_ns <= last_.mid_exposure_ns) return revise(frame);
   // A tracker that was lost for so long that it gave up its reference reports INITIALIZING.
   if (frame->status == TrackingStatus::kLost || (recovery_.isLost() && !frame->tracked()))
@@ -109,7 +109,7 @@ void Mapper::Impl::complete(KeyframeReport& report, const TrackedFrameConstPtr& 
   }
   reference->doubt = health_.doubt();
   reference_ = reference;
-  recovery_.keep(*reference_, *chosen->frame, *map_);
+  if (!keepsEarlierMap()) recovery_.keep(*reference_, *chosen->frame, *map_);
   deblur(chosen->frame, chosen->trajectory.acceleration, chosen->trajectory.velocity);
   store_.makeKeyframe(*chosen, reference_->id.map_id, reference_->id.keyframe_id);
   deferred_.update(*map_);
@@ -150,6 +150,8 @@ bool Mapper::doDeferredWork() { return impl_->doDeferredWork(); }
 SmoothedTrajectory Mapper::smoothedTrajectory() const { return impl_->smoothedTrajectory(); }
 void Mapper::reset() { impl_->reset(); }
 void Mapper::abandonMap() { impl_->abandonMap(); }
+void Mapper::beginIn(const SavedMap& map) { impl_->beginIn(map); }
+std::optional<SavedMap> Mapper::savedMap() const { return impl_->savedMap(); }
 ReferenceConstPtr Mapper::currentReference() const { return impl_->currentReference(); }
 std::vector<TrajectoryEntry> Mapper::trajectory() const { return impl_->store().entries(); }
 std::optional<CalibrationCorrection> Mapper::correction() const { return impl_->correction(); }

@@ -9,11 +9,12 @@
 #include "mba_vo/mapping/keyframe_selector.h"
 #include "mba_vo/mapping/mapper.h"
 #include "mba_vo/mapping/recovery.h"
+#include "mba_vo/mapping/saved_map.h"
 
 namespace mba_vo {
 
 /// The way of a frame through the mapper is in mapper.cpp; how a map begins, is lost, found again and given up in
-/// map_life.cpp.
+/// map_life.cpp; how it is found in a map of an earlier run, and kept for a later one, in earlier_map.cpp.
 class Mapper::Impl {
  public:
   Impl(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer);
@@ -26,6 +27,8 @@ class Mapper::Impl {
   SmoothedTrajectory smoothedTrajectory() const;
   void reset();
   void abandonMap();
+  void beginIn(const SavedMap& map);
+  std::optional<SavedMap> savedMap() const;
 
   ReferenceConstPtr currentReference() const { return reference_; }
   std::optional<CalibrationCorrection> correction() const {
@@ -56,6 +59,17 @@ class Mapper::Impl {
               const std::optional<Vector6>& measured_velocity = std::nullopt);
   /// Of a keyframe in the window, for the tracker.
   std::shared_ptr<Reference> snapshot(ReferenceCause cause, KeyframeId keyframe, const std::string& doubt = {});
+
+  MapperOutput findMap(const TrackedFrame& frame);
+  bool isKnownWithoutMap(const Frame& frame);
+  /// Looks for the camera in the map of an earlier run, for a while, or for ever where only that counts.
+  MapperOutput locate(const TrackedFrame& frame);
+  void lookInEarlierMap();
+  MapperOutput beginWithoutEarlierMap(const std::string& reason);
+  /// What the window in which the camera was found continues.
+  LocalMap::Identity identityOfEarlierMap();
+  /// The map is the earlier one, and stays as it was then.
+  bool keepsEarlierMap() const { return earlier_ && config_.localize_only; }
 
   MapperOutput initialize(const FrameConstPtr& frame);
   void beginCalibration(const CalibrationCorrection& known);
@@ -94,13 +108,19 @@ class Mapper::Impl {
   };
   std::optional<Refining> refining_;  // the newest keyframe, until it is refined
   MapId next_map_id_ = 1;
+  struct EarlierMap {
+    SavedMap map;
+    std::optional<MapId> id;  // that it has in this run since the camera was found in it
+  };
+  std::optional<EarlierMap> earlier_;  // none: this run began its maps itself
   MapHealth health_;
   Recovery recovery_;
   DeferredTracking deferred_;
   KeyframeDeblurring deblurring_;
   LoopClosing loops_;
-  std::optional<std::int64_t> newest_initializing_ns_;  // of the frames given to the initialiser
-  std::vector<FrameConstPtr> initial_frames_;           // that the initialiser had when the map began
+  std::optional<std::int64_t>
+      newest_without_map_ns_;                  // of the frames in which a map, or the camera in one, was looked for
+  std::vector<FrameConstPtr> initial_frames_;  // that the initialiser had when the map began
   std::int64_t first_keyframe_ns_ = 0;
   TrackingHint last_;  // the newest tracked frame, relative to last_keyframe_
   KeyframeId last_keyframe_ = 0;

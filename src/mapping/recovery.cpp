@@ -1,5 +1,7 @@
 #include "mba_vo/mapping/recovery.h"
 
+#include <utility>
+
 namespace mba_vo {
 namespace {
 
@@ -43,17 +45,17 @@ void Recovery::reset() {
   relocalizer_.archive().clear();
 }
 
-std::unique_ptr<LocalMap> Recovery::windowAt(const Relocalizer::Found& found, const LocalMap& old,
+std::unique_ptr<LocalMap> Recovery::windowAt(const Relocalizer::Found& found, LocalMap::Identity map,
                                              TrajectoryStore& store, CalibrationEstimator& calibration) const {
   const Reference& known = relocalizer_.archive().keyframes().at(found.keyframe).reference;
   InitialMap initial;
   initial.reference = found.keyframe_frame;
   initial.points = known.points;
-  initial.metric = old.isMetric();
-  const SE3 T_map_keyframe = store.T_map_keyframe(old.id(), found.keyframe);
-  const LocalMap::Place place{T_map_keyframe, old.newestKeyframe() + 1, known.brightness};
-  auto window = std::make_unique<LocalMap>(config_, old.id(), initial, known.motion, place, store, calibration);
-  window->inheritPoints(old.points());
+  initial.metric = map.metric;
+  const SE3 T_map_keyframe = store.T_map_keyframe(map.id, found.keyframe);
+  const LocalMap::Place place{T_map_keyframe, map.next_keyframe, known.brightness};
+  auto window = std::make_unique<LocalMap>(config_, map.id, initial, known.motion, place, store, calibration);
+  window->inheritPoints(std::move(map.points));
   return window;
 }
 

@@ -19,4 +19,10 @@ std::string saveTrajectory(const std::string& folder, MapperWorker& worker,
 /// points.ply, of the present map.
 std::string savePoints(const std::string& folder, MapperWorker& worker, std::chrono::seconds timeout = kSaveTimeout);
 
+/// The map in which `worker` goes on, to be used again; `name`: absolute, relative to `folder`, or empty: map.mba_vo.
+std::string saveMap(const std::string& folder, const std::string& name, MapperWorker& worker,
+                    std::chrono::seconds timeout = kSaveTimeout);
+/// Lets `worker` begin anew in a map that was saved so. Throws if it cannot be read; what there is then goes on.
+std::string loadMap(const std::string& folder, const std::string& name, MapperWorker& worker);
+
 }  // namespace mba_vo

@@ -2,6 +2,7 @@
 #include <memory>
 #include <string>
 
+#include <mba_vo/MapFile.h>
 #include <nodelet/nodelet.h>
 #include <std_srvs/Trigger.h>
 #include <pluginlib/class_list_macros.hpp>
@@ -48,10 +49,13 @@ class MapperNodelet final : public nodelet::Nodelet {
     status_ = std::make_unique<MapperStatusReporter>(nh);
     diagnostics_ = std::make_unique<MapperDiagnostics>(nh, getPrivateNodeHandle(), getName());
     worker_ = std::make_unique<MapperWorker>(nh, config, *status_);
+    if (!config.map_file.empty()) NODELET_INFO_STREAM(loadMap(output_directory_, config.map_file, *worker_));
     frame_subscriber_ = nh.subscribe("tracked_frame", kFrameQueue, &MapperNodelet::onFrame, this);
     // On another queue: they wait for the worker, and frames must go on arriving meanwhile.
     save_server_ = getMTNodeHandle().advertiseService("save_trajectory", &MapperNodelet::onSave, this);
     save_points_server_ = getMTNodeHandle().advertiseService("save_points", &MapperNodelet::onSavePoints, this);
+    save_map_server_ = getMTNodeHandle().advertiseService("save_map", &MapperNodelet::onSaveMap, this);
+    load_map_server_ = getMTNodeHandle().advertiseService("load_map", &MapperNodelet::onLoadMap, this);
     status_timer_ = nh.createSteadyTimer(ros::WallDuration(kStatusPeriod), &MapperNodelet::onStatusTimer, this);
   }
 
@@ -76,9 +80,19 @@ class MapperNodelet final : public nodelet::Nodelet {
     return answer("save_points", response, [this] { return savePoints(output_directory_, *worker_); });
   }
 
-  bool answer(const char* service, std_srvs::Trigger::Response& response, const std::function<std::string()>& save) {
+  bool onSaveMap(MapFile::Request& request, MapFile::Response& response) {
+    return answer("save_map", response, [&] { return saveMap(output_directory_, request.file, *worker_); });
+  }
+
+  bool onLoadMap(MapFile::Request& request, MapFile::Response& response) {
+    return answer("load_map", response, [&] { return loadMap(output_directory_, request.file, *worker_); });
+  }
+
+  /// `work` says what it has done, or throws.
+  template <typename Response>
+  bool answer(const char* service, Response& response, const std::function<std::string()>& work) {
     try {
-      response.message = save();
+      response.message = work();
       response.success = true;
       NODELET_INFO_STREAM(response.message);
     } catch (const std::exception& error) {
@@ -117,6 +131,8 @@ class MapperNodelet final : public nodelet::Nodelet {
   ros::Subscriber frame_subscriber_;
   ros::ServiceServer save_server_;
   ros::ServiceServer save_points_server_;
+  ros::ServiceServer save_map_server_;
+  ros::ServiceServer load_map_server_;
   ros::SteadyTimer status_timer_;
 };
 

@@ -33,21 +33,9 @@ void MapperWorker::addFrame(const TrackedFrameMessageConstPtr& frame) {
   thread_.wake();
 }
 
-std::future<std::vector<TrajectoryEntry>> MapperWorker::trajectory() {
-  auto future = pipeline_.requestTrajectory();
+void MapperWorker::beginIn(std::shared_ptr<const SavedMap> map) {
+  pipeline_.beginIn(std::move(map));
   thread_.wake();
-  return future;
-}
-
-std::future<std::vector<MapPoint>> MapperWorker::points() {
-  std::promise<std::vector<MapPoint>> promise;
-  auto future = promise.get_future();
-  {
-    const std::lock_guard<std::mutex> lock(requests_mutex_);
-    points_requests_.push_back(std::move(promise));
-  }
-  thread_.wake();
-  return future;
 }
 
 bool MapperWorker::step() {
@@ -57,21 +45,14 @@ bool MapperWorker::step() {
   return worked;
 }
 
-bool MapperWorker::answerPoints() {
-  std::vector<std::promise<std::vector<MapPoint>>> requests;
-  {
-    const std::lock_guard<std::mutex> lock(requests_mutex_);
-    requests.swap(points_requests_);
-  }
-  for (auto& request : requests) request.set_value(pipeline_.mapper().points());
-  return !requests.empty();
-}
-
 bool MapperWorker::work() {
-  if (answerPoints()) return true;
   pipeline_.watchSharpKeyframes(map_publisher_.wantsSharpKeyframes());
   const std::optional<MapperStep> step = pipeline_.step();
-  if (step && step->isOfFrame()) publish(*step);
+  if (step && step->isOfFrame()) {
+    publish(*step);
+  } else if (step && step->reference.reference) {
+    publishReference(step->reference);
+  }
   return step.has_value();
 }
 

@@ -1,10 +1,9 @@
 #pragma once
 
 #include <atomic>
-#include <future>
-#include <mutex>
+#include <memory>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "map_publisher.h"
 #include "mapper_status_reporter.h"
@@ -21,10 +20,15 @@ class MapperWorker {
   MapperWorker(ros::NodeHandle& nh, const NodeConfig& config, MapperStatusReporter& status);
 
   void addFrame(const TrackedFrameMessageConstPtr& frame);
-  /// The trajectory after all frames added so far have been processed. Broken if the worker ends before.
-  std::future<std::vector<TrajectoryEntry>> trajectory();
-  /// The points of the present map.
-  std::future<std::vector<MapPoint>> points();
+  /// MapperPipeline::ask.
+  template <typename Question>
+  auto ask(Question question) {
+    auto answer = pipeline_.ask(std::move(question));
+    thread_.wake();
+    return answer;
+  }
+  /// MapperPipeline::beginIn.
+  void beginIn(std::shared_ptr<const SavedMap> map);
   std::size_t queueBytes() const { return pipeline_.queueBytes(); }
   /// How long it has worked since the start [s].
   double busySeconds() const { return busy_seconds_; }
@@ -32,7 +36,6 @@ class MapperWorker {
  private:
   bool step();
   bool work();
-  bool answerPoints();
   void recover(const std::string& what);
   void publish(const MapperStep& step);
   void publishReference(const MapperMessage& message);
@@ -43,8 +46,6 @@ class MapperWorker {
   MapPublisher map_publisher_;
   MapperPipeline pipeline_;
   std::atomic<double> busy_seconds_{0.0};
-  std::mutex requests_mutex_;
-  std::vector<std::promise<std::vector<MapPoint>>> points_requests_;
   PipelineThread thread_;  // the last one: it ends first
 };
 

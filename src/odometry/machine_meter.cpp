@@ -55,16 +55,16 @@ void MachineMeter::add(const MapperStep& step, double seconds) {
 void MachineMeter::addFrame(const MapperStep& step, double ms) {
   const TrackedFrame& tracked = *step.cause.tracked;
   const double thousands = step.output.residuals / kThousand;
-  if (step.output.reference && step.output.reference->cause == ReferenceCause::kMapBegins) {
+  if (step.output.searched) {
+    relocalize_.add(ms);
+  } else if (step.output.reference && step.output.reference->cause == ReferenceCause::kMapBegins) {
     first_map_.add(std::max(0.0, ms - look_for_map_.at(thousands)));
   } else if (step.output.inserted) {
     // Depths are searched in that frame first, as in others.
     if (!step.output.keyframe) draft_.add(std::max(0.0, ms - depth_search_.mean()), thousands);
   } else if (tracked.status == TrackingStatus::kInitializing) {
     if (!step.cause.has_reference) look_for_map_.add(ms, thousands);
-  } else if (tracked.status == TrackingStatus::kLost) {
-    if (step.output.searched) relocalize_.add(ms);
-  } else if (!tracked.provisional) {
+  } else if (tracked.tracked() && !tracked.provisional) {
     depth_search_.add(ms);
   }
 }

@@ -22,18 +22,16 @@ std::vector<TrackerMessage> MapperPipeline::addFrame(const TrackerMessage& messa
   return shed;
 }
 
-std::future<std::vector<TrajectoryEntry>> MapperPipeline::requestTrajectory() {
-  auto promise = std::make_shared<std::promise<std::vector<TrajectoryEntry>>>();
-  std::future<std::vector<TrajectoryEntry>> future = promise->get_future();
-  queue_.push(std::move(promise));
-  return future;
-}
-
 std::optional<MapperStep> MapperPipeline::step() {
   MapperStep step;
   if (const std::optional<Job> job = queue_.pop()) {
     if (const auto* message = std::get_if<TrackerMessage>(&*job)) return take(*message);
-    std::get<TrajectoryRequest>(*job)->set_value(mapper_.finishedTrajectory());
+    if (const auto* question = std::get_if<Question>(&*job)) {
+      (*question)(mapper_);
+    } else {
+      step.reference = closeMap("another map was loaded");
+      mapper_.beginIn(*std::get<std::shared_ptr<const SavedMap>>(*job));
+    }
     return step;
   }
   if (mapper_.needsRefinement()) return refine();
@@ -43,8 +41,13 @@ std::optional<MapperStep> MapperPipeline::step() {
 }
 
 MapperMessage MapperPipeline::recover(const std::string& reason) {
-  const ReferenceConstPtr current = mapper_.currentReference();
+  MapperMessage closed = closeMap(reason);
   mapper_.abandonMap();
+  return closed;
+}
+
+MapperMessage MapperPipeline::closeMap(const std::string& reason) {
+  const ReferenceConstPtr current = mapper_.currentReference();
   map_id_ = 0;
   if (!current) return {};
   auto closed = std::make_shared<Reference>(*current);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
@@ -12,6 +13,14 @@ constexpr int kWidth = 48;     // [px] most of a thumbnail
 constexpr double kBlur = 1.2;  // [px]
 constexpr int kStep = 2;       // [px] of the search, refined afterwards
 constexpr float kInvalid = 255.0F;
+
+/// [grey levels], NaN = invalid.
+cv::Mat1f toIntensity(const cv::Mat1b& image) {
+  cv::Mat1f intensity;
+  image.convertTo(intensity, CV_32F);
+  intensity.setTo(std::nanf(""), image == kInvalid);
+  return intensity;
+}
 
 }  // namespace
 
@@ -76,16 +85,35 @@ ArchivedKeyframe::ArchivedKeyframe(const Reference& of, const Frame& frame)
   reference.hint.reset();
 }
 
+ArchivedKeyframe::ArchivedKeyframe(Reference without_pyramid, std::uint64_t sequence, std::int64_t stamp,
+                                   const PinholeCamera& of_image, int pyramid_levels, const cv::Mat1b& shown,
+                                   std::optional<double> exposure)
+    : reference(std::move(without_pyramid)),
+      frame_sequence(sequence),
+      stamp_ns(stamp),
+      camera(of_image),
+      levels(pyramid_levels),
+      image(shown),
+      image_exposure(exposure),
+      thumbnail(ImagePyramid(toIntensity(image), camera, levels)) {}
+
+void ArchivedKeyframe::update(const Reference& newer) {
+  camera = newer.pyramid->level(0).camera;
+  reference = newer;
+  reference.pyramid.reset();
+  reference.hint.reset();
+}
+
 FrameConstPtr ArchivedKeyframe::restoreFrame() const {
-  cv::Mat1f intensity;
-  image.convertTo(intensity, CV_32F);
-  intensity.setTo(std::nanf(""), image == kInvalid);
   auto frame = std::make_shared<Frame>();
   frame->sequence = frame_sequence;
   frame->stamp_ns = stamp_ns;
   frame->mid_exposure_ns = reference.mid_exposure_ns;
   frame->exposure = image_exposure;
-  frame->pyramid = ImagePyramid(intensity, camera, levels);
+  frame->pyramid = ImagePyramid(toIntensity(image), camera, levels);
+  // Its camera has been corrected since the image was made; what only pixels can have of a correction is as it was.
+  const CalibrationCorrection since = reference.image_correction.lacks(reference.correction);
+  frame->correction.values = reference.image_correction.values + pinholePart(since, camera).values;
   return frame;
 }
 
@@ -95,17 +123,14 @@ std::shared_ptr<Reference> ArchivedKeyframe::restoreReference(const FrameConstPt
   return restored;
 }
 
-void KeyframeArchive::add(const Reference& reference, const Frame& frame) {
-  keyframes_.insert_or_assign(reference.id.keyframe_id, ArchivedKeyframe(reference, frame));
+void KeyframeArchive::add(const ArchivedKeyframe& keyframe) {
+  keyframes_.insert_or_assign(keyframe.reference.id.keyframe_id, keyframe);
   while (keyframes_.size() > max_keyframes_) dropMostRedundant();
 }
 
 void KeyframeArchive::update(const Reference& reference) {
   const auto found = keyframes_.find(reference.id.keyframe_id);
-  if (found == keyframes_.end()) return;
-  found->second.reference = reference;
-  found->second.reference.pyramid.reset();
-  found->second.reference.hint.reset();
+  if (found != keyframes_.end()) found->second.update(reference);
 }
 
 void KeyframeArchive::replace(const Reference& reference, const Frame& frame) {

@@ -135,10 +135,10 @@ TEST(MapperPipeline, FramesComeBetweenThePiecesOfAKeyframe) {
   EXPECT_EQ(step->kind, MapperStep::Kind::kRefinement);
 }
 
-TEST(MapperPipeline, ARequestedTrajectoryHasAllFramesThatWereAddedBefore) {
+TEST(MapperPipeline, AQuestionIsAnsweredAfterAllFramesThatWereAddedBefore) {
   MapperPipeline pipeline(config(), kQueueBytes);
   ASSERT_NE(begin(pipeline, 5).reference, nullptr);
-  auto future = pipeline.requestTrajectory();
+  auto future = pipeline.ask([](const Mapper& mapper) { return mapper.finishedTrajectory(); });
   drain(pipeline);
   ASSERT_EQ(future.wait_for(std::chrono::seconds(0)), std::future_status::ready);
   EXPECT_FALSE(future.get().empty());

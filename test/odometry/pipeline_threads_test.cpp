@@ -78,7 +78,7 @@ class Threads {
   void failNextFrame() { fail_mapper_ = true; }
   void failNextImage() { fail_tracker_ = true; }
   std::vector<TrajectoryEntry> trajectory() {
-    auto future = mapper_.requestTrajectory();
+    auto future = mapper_.ask([](const Mapper& mapper) { return mapper.finishedTrajectory(); });
     saving_ = true;
     mapping_.wake();
     std::vector<TrajectoryEntry> entries = future.get();

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -31,6 +32,8 @@ struct OfflineOptions {
   std::size_t frames = 0;                  // images taken after these, 0 = all
   int reference_delay_frames = 0;          // from a keyframe to the frame that is first aligned to it
   std::optional<Machine> live;             // as if it ran live on this machine; nullopt = no work takes any time
+  std::shared_ptr<const SavedMap> map;     // of an earlier run, to go on in; null = none
+  bool keep_map = false;                   // OfflineResult::map is wanted
   // What is learnt about the camera from so many images ends the run, at the last of them; 0 = it goes on.
   std::size_t stop_if_learnt_within = 0;
 };
@@ -53,6 +56,7 @@ struct OfflineResult {
   std::optional<CalibrationCorrection> settled_correction;  // the last that was right for a while
   ExposureCorrection exposure_correction;  // that which was given, or, if the images contradict it, as they say
   std::vector<MapPoint> points;            // of the last map
+  std::optional<SavedMap> map;             // the last one, if it is wanted and there is one
   cv::Mat1b overlay;                       // 255 where something covers the scene in the images; empty = nowhere
   DeblurCounts deblurring;                 // of the keyframes
   StageTimes times;

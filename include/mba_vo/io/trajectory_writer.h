@@ -47,6 +47,9 @@ std::string formatSeconds(std::int64_t nanoseconds);
 /// disk, permissions) if that fails.
 void writeFile(const std::string& file, const std::function<void(std::ostream&)>& write);
 
+/// The same, with `file` whole at any time: it is written beside its place, as FILE.part, and then moved there.
+void replaceFile(const std::string& file, const std::function<void(std::ostream&)>& write);
+
 /// "FILE: cannot be written", with the reason that the system gave for the last call that failed, if errno has one. To
 /// be set to 0 before.
 std::string cannotBeWritten(const std::string& file);

@@ -41,6 +41,15 @@ class LocalMap {
   LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, const BodyMotion& reference_motion,
            const Place& place, TrajectoryStore& store, CalibrationEstimator& calibration);
 
+  /// What a further window of the same map begins from.
+  struct Identity {
+    MapId id = 0;
+    bool metric = false;           // the unit of length is the metre
+    KeyframeId next_keyframe = 0;  // ids of earlier ones are taken
+    std::vector<MapPoint> points;  // known so far, for display
+  };
+  Identity identity() const { return {id_, metric_, newestKeyframe() + 1, points()}; }
+
   MapId id() const { return id_; }
   /// The unit of length is the metre.
   bool isMetric() const { return metric_; }

@@ -15,7 +15,8 @@ class LocalMap;
 /// What there is to be known about a trajectory in the end.
 struct SmoothedTrajectory {
   std::vector<TrajectoryEntry> entries;
-  std::vector<LoopTrial> loops;  // that were looked into, those that were rejected too
+  std::vector<LoopTrial> loops;                   // that were looked into, those that were rejected too
+  TrajectoryStore::CorrectedKeyframes corrected;  // where loops put keyframes
 };
 
 /// Loops of all maps, and what follows from them for the trajectory. Nothing of this acts on the window.

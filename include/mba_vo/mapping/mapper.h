@@ -10,6 +10,7 @@
 #include "mba_vo/mapping/local_map.h"
 #include "mba_vo/mapping/loop_closing.h"
 #include "mba_vo/mapping/mapper_config.h"
+#include "mba_vo/mapping/saved_map.h"
 #include "mba_vo/tracking/tracked_frame.h"
 #include "mba_vo/trajectory/trajectory_store.h"
 
@@ -57,6 +58,14 @@ class Mapper {
 
   /// The current snapshot, null before initialisation: for a tracker that was restarted.
   ReferenceConstPtr currentReference() const;
+
+  /// The map as it is now, its poses corrected by the loops that are known; nullopt if there is none.
+  std::optional<SavedMap> savedMap() const;
+  /// Begins anew in a map of an earlier run, whose keyframes lie before this one (moveBeforeAnyRun) and are at least
+  /// one. The camera is looked for in it, and the map goes on from there in its frame and unit of length. Where the
+  /// camera is not found for ten seconds, another map begins; not so with MapperConfig::localize_only. reset() begins
+  /// in it again.
+  void beginIn(const SavedMap& map);
 
   /// Forgets the map; the trajectory store keeps the poses found so far, with all that had been put off. The next map
   /// gets a new map id.

@@ -34,6 +34,7 @@ struct MapperConfig {
   bool commute_blur = true;
   bool refine_calibration = true;
   bool refine_frames = true;
+  bool localize_only = false;
   bool vignette_told = false;  // by a file: no vignette is to be found. Not read from `mapper`
   bool deterministic = false;  // bit-identical results run after run; sums in a fixed order
 
@@ -58,6 +59,9 @@ struct MapperConfig {
       "wrong");
     v("refine_frames", c.refine_frames,
       "track frames once more, for the trajectory, when a second keyframe after them has been optimised");
+    v("localize_only", c.localize_only,
+      "a map that was loaded stays as it is: the camera is looked for in it until it is found, and nothing new is "
+      "kept");
   }
 };
 

@@ -25,14 +25,17 @@ class Recovery {
   std::optional<Relocalizer::Found> search(const TrackedFrame& frame, double usual_error);
   /// The keyframes kept.
   KeyframeArchive& archive() { return relocalizer_.archive(); }
+  const KeyframeArchive& archive() const { return relocalizer_.archive(); }
   bool isLost() const { return clock_.lost(); }
-  bool isLostForGood() const { return clock_.seconds() >= config_.restart_after_lost; }
+  /// With images that show something [s].
+  double lostSeconds() const { return clock_.seconds(); }
+  bool isLostForGood() const { return lostSeconds() >= config_.restart_after_lost; }
   /// The tracker has a pose again.
   void find();
   void reset();
 
-  /// Another window of the same map, which begins with a keyframe that has left the old one.
-  std::unique_ptr<LocalMap> windowAt(const Relocalizer::Found& found, const LocalMap& old, TrajectoryStore& store,
+  /// Another window of a map, which begins with a keyframe that has left the old one, or is of an earlier run.
+  std::unique_ptr<LocalMap> windowAt(const Relocalizer::Found& found, LocalMap::Identity map, TrajectoryStore& store,
                                      CalibrationEstimator& calibration) const;
 
  private:

@@ -18,6 +18,7 @@ class LiveSimulation : public OdometryRun {
   void setCalibration(const CameraCalibration& calibration, const CalibrationCorrection& known) override {
     tracker_.setCalibration(calibration, known);
   }
+  void beginIn(std::shared_ptr<const SavedMap> map) override { mapper_.beginIn(std::move(map)); }
   /// What has been done until the image arrives; its own result comes with a later call.
   OdometryResult process(const CameraImage& image) override;
   OdometryResult finish() override;

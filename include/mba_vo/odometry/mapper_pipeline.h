@@ -3,9 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <future>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -21,7 +24,7 @@ struct MapperStep {
     kFrame,       // a tracked frame has been taken in
     kRefinement,  // a piece of the refinement of a keyframe has been done
     kDeferred,    // a piece of what can wait has been done
-    kPassed       // nothing that anybody has to know
+    kPassed       // nothing of a frame: a question was answered, or a map loaded, which the reference tells the tracker
   };
   Kind kind = Kind::kPassed;
   TrackerMessage cause;  // the frame that was taken in, or the last one
@@ -45,8 +48,17 @@ class MapperPipeline {
 
   /// Thread-safe. Returns the frames that had to be shed, because too many wait.
   std::vector<TrackerMessage> addFrame(const TrackerMessage& message);
-  /// Thread-safe. The trajectory after all frames added so far; the map goes on as if nobody had asked.
-  std::future<std::vector<TrajectoryEntry>> requestTrajectory();
+  /// Thread-safe. What `question`, a function of a const Mapper&, says after all frames added so far, or throws; the
+  /// map goes on as if nobody had asked. Broken if the pipeline ends before.
+  template <typename Question>
+  auto ask(Question question) {
+    using Answer = decltype(question(std::declval<const Mapper&>()));
+    const auto task = std::make_shared<std::packaged_task<Answer(const Mapper&)>>(std::move(question));
+    queue_.push(Job([task](const Mapper& mapper) { (*task)(mapper); }));
+    return task->get_future();
+  }
+  /// Thread-safe. After all frames added so far: begins anew in a map of an earlier run (Mapper::beginIn).
+  void beginIn(std::shared_ptr<const SavedMap> map) { queue_.push(std::move(map)); }
   std::size_t queueBytes() const { return queue_.bytes(); }
 
   // The rest is for the one thread.
@@ -61,13 +73,15 @@ class MapperPipeline {
   const Mapper& mapper() const { return mapper_; }
 
  private:
-  using TrajectoryRequest = std::shared_ptr<std::promise<std::vector<TrajectoryEntry>>>;
-  using Job = std::variant<TrackerMessage, TrajectoryRequest>;
+  using Question = std::function<void(const Mapper&)>;
+  using Job = std::variant<TrackerMessage, Question, std::shared_ptr<const SavedMap>>;
 
   static std::size_t bytesOf(const Job& job);
   static std::size_t mostDispensable(const std::deque<Job>& jobs);
   MapperStep take(const TrackerMessage& message);
   MapperStep refine();
+  /// What tells the tracker that its map is no more, null if there was none.
+  MapperMessage closeMap(const std::string& reason);
   void address(MapperStep& step);
   bool followSession(const TrackerMessage& message);
 

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "mba_vo/odometry/machine_meter.h"
@@ -35,6 +37,8 @@ class OdometryRun {
   /// Throws std::invalid_argument naming what is wrong with the calibration. `known`: how it is to be corrected, as
   /// earlier runs have found. To be called before the first image.
   virtual void setCalibration(const CameraCalibration& calibration, const CalibrationCorrection& known) = 0;
+  /// Goes on in a map of an earlier run (Mapper::beginIn). To be called before the first image.
+  virtual void beginIn(std::shared_ptr<const SavedMap> map) = 0;
   /// The next image, which comes in now.
   virtual OdometryResult process(const CameraImage& image) = 0;
   /// After the last image: does what waits.
@@ -56,6 +60,7 @@ class Odometry : public OdometryRun {
   void setCalibration(const CameraCalibration& calibration, const CalibrationCorrection& known) override {
     tracker_.setCalibration(calibration, known);
   }
+  void beginIn(std::shared_ptr<const SavedMap> map) override { mapper_.beginIn(std::move(map)); }
   OdometryResult process(const CameraImage& image) override;
   /// Every frame gives exactly one result.
   OdometryResult process(const FrameConstPtr& frame);

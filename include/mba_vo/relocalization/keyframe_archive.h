@@ -43,6 +43,12 @@ struct ArchivedKeyframe {
   Thumbnail thumbnail;
 
   ArchivedKeyframe(const Reference& of, const Frame& frame);
+  /// As it was written down. The rest is as in the members.
+  ArchivedKeyframe(Reference without_pyramid, std::uint64_t frame_sequence, std::int64_t stamp_ns,
+                   const PinholeCamera& camera, int levels, const cv::Mat1b& image,
+                   std::optional<double> image_exposure);
+  /// What is known by now of points, pose and camera; its image is what it was.
+  void update(const Reference& newer);
   /// The frame, its pyramid made anew.
   FrameConstPtr restoreFrame() const;
   /// For the tracker, with this frame's pyramid.
@@ -56,7 +62,8 @@ class KeyframeArchive {
   explicit KeyframeArchive(int max_keyframes) : max_keyframes_(static_cast<std::size_t>(max_keyframes)) {}
 
   /// Adds a keyframe, or replaces what is known of it.
-  void add(const Reference& reference, const Frame& frame);
+  void add(const Reference& reference, const Frame& frame) { add(ArchivedKeyframe(reference, frame)); }
+  void add(const ArchivedKeyframe& keyframe);
   /// Newer points and pose of a keyframe; its image is what it was. Nothing if it is not kept.
   void update(const Reference& reference);
   /// The keyframe has another image now. Nothing if it is not kept.

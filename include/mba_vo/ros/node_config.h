@@ -41,6 +41,7 @@ struct NodeConfig {
   double points_period = 1.0;
   bool record = true;
   bool save_on_shutdown = false;
+  std::string map_file;
   std::string output_directory = "mba_vo_output";
   OdometryConfig odometry;
 
@@ -72,8 +73,9 @@ struct NodeConfig {
     v("points_period", c.points_period, 0.0, 3600.0, "shortest time between two messages on points [s]");
     v("record", c.record, "write down what is published: online_trajectory.txt, online_odometry.txt, frames.csv");
     v("save_on_shutdown", c.save_on_shutdown, "do as save_trajectory does when the mapper ends");
+    v("map_file", c.map_file, "map of an earlier run (save_map), in which the camera is looked for at the start");
     v("output_directory", c.output_directory,
-      "where that and save_trajectory go; relative to the node's working directory");
+      "where that, save_trajectory and save_map go; relative to the node's working directory");
     OdometryConfig::describe(c.odometry, v);
   }
 

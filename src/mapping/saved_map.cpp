@@ -1,0 +1,54 @@
+#include "mba_vo/mapping/saved_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mba_vo {
+
+std::size_t SavedMap::pointCount() const {
+  std::size_t count = 0;
+  for (const ArchivedKeyframe& keyframe : keyframes) count += keyframe.reference.points.size();
+  return count;
+}
+
+void moveBeforeAnyRun(SavedMap& map) {
+  std::int64_t newest = std::numeric_limits<std::int64_t>::min();
+  for (const ArchivedKeyframe& keyframe : map.keyframes) newest = std::max(newest, keyframe.reference.mid_exposure_ns);
+  for (ArchivedKeyframe& keyframe : map.keyframes) keyframe.reference.mid_exposure_ns += kBeforeAnyRun - newest;
+}
+
+void place(ArchivedKeyframe& keyframe, const Sim3& S_map_keyframe) {
+  Reference& reference = keyframe.reference;
+  const double scale = S_map_keyframe.scale();
+  reference.T_map_reference = S_map_keyframe.rigid();
+  reference.image_xi.head<3>() *= scale;
+  reference.motion.velocity.head<3>() *= scale;
+  reference.motion.acceleration.head<3>() *= scale;
+  for (ReferencePoint& point : reference.points) {
+    point.inverse_depth = static_cast<float>(point.inverse_depth / scale);
+    point.variance = static_cast<float>(point.variance / (scale * scale));
+  }
+}
+
+std::vector<MapPoint> displayPoints(const SavedMap& saved, MapId map, std::size_t most) {
+  std::vector<MapPoint> points;
+  if (most == 0) return points;
+  const std::size_t step = saved.pointCount() / most + 1;
+  std::size_t next = 0;
+  for (const ArchivedKeyframe& keyframe : saved.keyframes) {
+    const Reference& reference = keyframe.reference;
+    for (const ReferencePoint& point : reference.points) {
+      if (next++ % step != 0) continue;
+      const Eigen::Vector3d in_keyframe =
+          keyframe.camera.unproject(point.pixel.cast<double>()) / static_cast<double>(point.inverse_depth);
+      const auto x = static_cast<int>(std::lround(point.pixel.x()));
+      const auto y = static_cast<int>(std::lround(point.pixel.y()));
+      points.push_back({reference.T_map_reference * in_keyframe, static_cast<float>(keyframe.image(y, x)),
+                        reference.id.keyframe_id, reference.mid_exposure_ns, map});
+    }
+  }
+  return points;
+}
+
+}  // namespace mba_vo

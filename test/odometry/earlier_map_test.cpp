@@ -1,0 +1,169 @@
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "mba_vo/evaluation/alignment.h"
+#include "mba_vo/odometry/config_yaml.h"
+#include "mba_vo/odometry/odometry.h"
+#include "support/rendered_sequence.h"
+
+namespace mba_vo {
+namespace {
+
+constexpr double kExposure = 0.03;  // [s] of 37 ms between frames
+constexpr int kFrames = 120;
+constexpr std::size_t kMostUntilFound = 8;  // frames; three must agree
+
+/// The walk of the tests of loops.
+struct Walk {
+  std::vector<FrameConstPtr> frames;
+  std::vector<SE3> truth;  // T_world_camera of each
+
+  Walk() {
+    SimulationConfig config = test::sequenceConfig(kExposure);
+    config.trajectory_seed = 3;
+    config.path_length = 2.5;
+    const test::RenderedSequence rendered = test::renderFrames(config, 0, kFrames);
+    frames = test::toFrames(rendered, false, kExposure);
+    for (const SimulatedFrame& frame : rendered.frames) truth.push_back(frame.T_world_mid);
+  }
+};
+
+const Walk& walk() {
+  static const Walk walk;
+  return walk;
+}
+
+OdometryConfig options(bool localize_only = false) {
+  OdometryConfig options;
+  options.mapper.deterministic = true;
+  options.mapper.localize_only = localize_only;
+  finalize(options);
+  return options;
+}
+
+/// What was published of a frame: where the camera was in the map.
+struct Place {
+  std::size_t frame;
+  Eigen::Vector3d in_map;
+};
+
+std::vector<Place> runOver(Odometry& odometry, std::size_t first, std::size_t count) {
+  std::vector<Place> places;
+  for (std::size_t i = first; i < first + count; ++i) {
+    for (const PublishedImage& image : odometry.process(walk().frames.at(i)).images) {
+      const TrackedFrame& tracked = *image.step.message.tracked;
+      if (tracked.tracked()) places.push_back({i, (image.step.T_map_odom * image.step.T_odom_camera).translation()});
+    }
+  }
+  return places;
+}
+
+Similarity alignmentOf(const std::vector<Place>& places) {
+  std::vector<Eigen::Vector3d> estimate, truth;
+  for (const Place& place : places) {
+    estimate.push_back(place.in_map);
+    truth.push_back(walk().truth.at(place.frame).translation());
+  }
+  return alignPositions(estimate, truth, AlignmentMode::kSim3);
+}
+
+/// Root mean square [m].
+double errorOf(const std::vector<Place>& places, const Similarity& T_world_map) {
+  double sum = 0.0;
+  for (const Place& place : places) {
+    sum += (T_world_map * place.in_map - walk().truth.at(place.frame).translation()).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(places.size()));
+}
+
+/// A run over the first two thirds of the walk, and what it leaves behind.
+struct FirstRun {
+  std::vector<Place> places;
+  std::shared_ptr<const SavedMap> map;
+
+  FirstRun() {
+    Odometry odometry(options(), 0);
+    places = runOver(odometry, 0, 80);
+    map = std::make_shared<SavedMap>(odometry.mapper().savedMap().value());
+  }
+};
+
+const FirstRun& firstRun() {
+  static const FirstRun run;
+  return run;
+}
+
+std::shared_ptr<const SavedMap> movedBeforeAnyRun() {
+  auto map = std::make_shared<SavedMap>(*firstRun().map);
+  moveBeforeAnyRun(*map);
+  return map;
+}
+
+TEST(EarlierMap, ACameraIsFoundInItAndGoesOnInItsFrameAndScale) {
+  Odometry odometry(options(), 0);
+  odometry.beginIn(movedBeforeAnyRun());
+  const std::vector<Place> places = runOver(odometry, 40, 80);
+  ASSERT_FALSE(places.empty());
+  EXPECT_LE(places.front().frame, 40 + kMostUntilFound);
+  EXPECT_GE(places.size(), 80 - kMostUntilFound);
+  const Similarity T_world_map = alignmentOf(firstRun().places);
+  EXPECT_LT(errorOf(places, T_world_map), 0.004);  // 2.1 mm; frames 80 to 119 are where the first run was not
+}
+
+TEST(EarlierMap, WhatComesIsAddedToIt) {
+  Odometry odometry(options(), 0);
+  odometry.beginIn(movedBeforeAnyRun());
+  runOver(odometry, 40, 80);
+  const SavedMap grown = odometry.mapper().savedMap().value();
+  EXPECT_GT(grown.keyframes.size(), firstRun().map->keyframes.size());
+  for (std::size_t i = 0; i < firstRun().map->keyframes.size(); ++i) {
+    const Reference& before = firstRun().map->keyframes[i].reference;
+    EXPECT_EQ(grown.keyframes[i].reference.id.keyframe_id, before.id.keyframe_id);
+    EXPECT_LT((grown.keyframes[i].reference.T_map_reference.inverse() * before.T_map_reference).log().norm(), 1e-9);
+  }
+}
+
+TEST(EarlierMap, StaysAsItIsWhereTheCameraIsOnlyToBeLocalised) {
+  Odometry odometry(options(true), 0);
+  odometry.beginIn(movedBeforeAnyRun());
+  EXPECT_FALSE(runOver(odometry, 40, 80).empty());
+  const SavedMap kept = odometry.mapper().savedMap().value();
+  ASSERT_EQ(kept.keyframes.size(), firstRun().map->keyframes.size());
+  for (std::size_t i = 0; i < kept.keyframes.size(); ++i) {
+    const Reference &before = firstRun().map->keyframes[i].reference, &after = kept.keyframes[i].reference;
+    EXPECT_EQ(after.T_map_reference.log(), before.T_map_reference.log());
+    EXPECT_EQ(after.points.size(), before.points.size());
+  }
+}
+
+TEST(EarlierMap, AResetBeginsInItAgain) {
+  Odometry odometry(options(), 0);
+  odometry.beginIn(movedBeforeAnyRun());
+  ASSERT_FALSE(runOver(odometry, 40, 20).empty());
+  odometry.reset();
+  const std::vector<Place> places = runOver(odometry, 60, 20);
+  ASSERT_FALSE(places.empty());
+  EXPECT_LE(places.front().frame, 60 + kMostUntilFound);
+  EXPECT_LT(errorOf(places, alignmentOf(firstRun().places)), 0.004);
+}
+
+TEST(EarlierMap, ALoopThatWasFoundIsInWhatIsSaved) {
+  SavedMap map = *firstRun().map;
+  ArchivedKeyframe& keyframe = map.keyframes.front();
+  const Reference before = keyframe.reference;
+  place(keyframe, Sim3(before.T_map_reference, 2.0));
+  EXPECT_EQ(keyframe.reference.motion.velocity.head<3>(), 2.0 * before.motion.velocity.head<3>());
+  EXPECT_EQ(keyframe.reference.motion.velocity.tail<3>(), before.motion.velocity.tail<3>());
+  EXPECT_EQ(keyframe.reference.image_xi.head<3>(), 2.0 * before.image_xi.head<3>());
+  EXPECT_FLOAT_EQ(keyframe.reference.points.front().inverse_depth, 0.5F * before.points.front().inverse_depth);
+  EXPECT_FLOAT_EQ(keyframe.reference.points.front().variance, 0.25F * before.points.front().variance);
+}
+
+}  // namespace
+}  // namespace mba_vo
