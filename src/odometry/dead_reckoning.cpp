@@ -5,7 +5,7 @@
 #include <iterator>
 #include <limits>
 
-#include "mba_vo/odometry/odometry_covariance.h"
+#include "mba_vo/trajectory/odometry_covariance.h"
 
 namespace mba_vo {
 namespace {

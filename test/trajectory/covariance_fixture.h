@@ -3,7 +3,7 @@
 #include <cmath>
 #include <memory>
 
-#include "mba_vo/odometry/odometry_covariance.h"
+#include "mba_vo/trajectory/odometry_covariance.h"
 
 namespace mba_vo::test {
 

@@ -1,4 +1,4 @@
-#include "mba_vo/odometry/odometry_covariance.h"
+#include "mba_vo/trajectory/odometry_covariance.h"
 
 #include <cmath>
 #include <random>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 
-#include "odometry/covariance_fixture.h"
+#include "trajectory/covariance_fixture.h"
 
 namespace mba_vo::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "mba_vo/odometry/odometry_covariance.h"
+#include "mba_vo/trajectory/odometry_covariance.h"
 
 #include <algorithm>
 #include <cmath>
