@@ -7,8 +7,8 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "mba_vo/pose_graph/place_index.h"
 #include "mba_vo/pose_graph/pose_graph.h"
+#include "mba_vo/relocalization/place_index.h"
 
 namespace mba_vo {
 namespace {

@@ -71,21 +71,10 @@ void LoopCloser::keep(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescr
   while (1e-6 * static_cast<double>(bytes_) > config_.max_megabytes && kept_.size() > kLeastKept) dropMostRedundant();
 }
 
-/// The one whose neighbours in time are nearest to it, in place and view.
 void LoopCloser::dropMostRedundant() {
-  const double depth = usualDepth();
-  const auto between = [&](const Kept& l, const Kept& r) {
-    const Vector6 way = (l.keyframe->reference.T_map_reference.inverse() * r.keyframe->reference.T_map_reference).log();
-    return way.head<3>().norm() / depth + way.tail<3>().norm();
-  };
-  auto redundant = std::next(kept_.begin());
-  double least = HUGE_VAL;
-  for (auto k = std::next(kept_.begin()); std::next(k) != kept_.end(); ++k) {
-    const double way = between(std::prev(k)->second, k->second) + between(k->second, std::next(k)->second);
-    if (way >= least) continue;
-    least = way;
-    redundant = k;
-  }
+  std::vector<const Reference*> references;
+  for (const auto& [id, kept] : kept_) references.push_back(&kept.keyframe->reference);
+  const auto redundant = std::next(kept_.begin(), static_cast<std::ptrdiff_t>(mostRedundant(references, usualDepth())));
   bytes_ -= bytesOf(*redundant->second.keyframe) + sizeof(PlaceDescriptor);
   index_.remove(redundant->first);
   kept_.erase(redundant);

@@ -1,17 +1,15 @@
 #include "mba_vo/relocalization/keyframe_archive.h"
 
-#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
-#include <opencv2/imgproc.hpp>
+#include "mba_vo/geometry/median.h"
+#include "mba_vo/tracking/frame_measures.h"
 
 namespace mba_vo {
 namespace {
 
-constexpr int kWidth = 48;     // [px] most of a thumbnail
-constexpr double kBlur = 1.2;  // [px]
-constexpr int kStep = 2;       // [px] of the search, refined afterwards
 constexpr float kInvalid = 255.0F;
 
 /// [grey levels], NaN = invalid.
@@ -24,57 +22,13 @@ cv::Mat1f toIntensity(const cv::Mat1b& image) {
 
 }  // namespace
 
-Thumbnail::Thumbnail(const ImagePyramid& pyramid) {
-  int level = 0;
-  while (level + 1 < pyramid.levels() && pyramid.level(level).intensity.cols > kWidth) ++level;
-  px_per_pixel_ = static_cast<double>(1 << level);
-  image_ = pyramid.level(level).intensity.clone();
-  const cv::Mat valid = image_ == image_;  // NaN differs from itself
-  image_.setTo(static_cast<float>(cv::mean(image_, valid)[0]), ~valid);
-  cv::GaussianBlur(image_, image_, {}, kBlur);
-}
-
-double Thumbnail::correlation(const Thumbnail& other, const cv::Point& shift) const {
-  const cv::Rect here = cv::Rect({0, 0}, image_.size()) & (cv::Rect({0, 0}, other.image_.size()) - shift);
-  if (here.width < image_.cols / 2 || here.height < image_.rows / 2) return -1.0;
-  const cv::Mat1f a = image_(here);
-  const cv::Mat1f b = other.image_(here + shift);
-  cv::Scalar mean_a, mean_b, sigma_a, sigma_b;
-  cv::meanStdDev(a, mean_a, sigma_a);
-  cv::meanStdDev(b, mean_b, sigma_b);
-  const double scatter = sigma_a[0] * sigma_b[0];
-  if (!(scatter > 0.0)) return -1.0;
-  return (a.dot(b) / static_cast<double>(a.total()) - mean_a[0] * mean_b[0]) / scatter;
-}
-
-Thumbnail::Match Thumbnail::compare(const Thumbnail& other) const {
-  Match best;
-  if (image_.empty() || image_.size() != other.image_.size()) return best;
-  cv::Point at;
-  const auto search = [&](const cv::Point& centre, const cv::Point& range, int step) {
-    for (int y = centre.y - range.y; y <= centre.y + range.y; y += step) {
-      for (int x = centre.x - range.x; x <= centre.x + range.x; x += step) {
-        const double value = correlation(other, {x, y});
-        if (value <= best.correlation) continue;
-        best.correlation = value;
-        at = {x, y};
-      }
-    }
-  };
-  search({0, 0}, {image_.cols / 3 / kStep * kStep, image_.rows / 3 / kStep * kStep}, kStep);
-  search(at, {kStep - 1, kStep - 1}, 1);
-  best.shift_px = px_per_pixel_ * Eigen::Vector2d(at.x, at.y);
-  return best;
-}
-
 ArchivedKeyframe::ArchivedKeyframe(const Reference& of, const Frame& frame)
     : reference(of),
       frame_sequence(frame.sequence),
       stamp_ns(frame.stamp_ns),
       camera(of.pyramid->level(0).camera),
       levels(of.pyramid->levels()),
-      image_exposure(of.pyramid->showsTheSameAs(frame.pyramid) ? of.exposure : 0.0),
-      thumbnail(*of.pyramid) {
+      image_exposure(of.pyramid->showsTheSameAs(frame.pyramid) ? of.exposure : 0.0) {
   const cv::Mat1f& original = of.pyramid->level(0).intensity;
   cv::Mat intensity;
   cv::min(original, static_cast<double>(kInvalid) - 1.0, intensity);
@@ -94,8 +48,7 @@ ArchivedKeyframe::ArchivedKeyframe(Reference without_pyramid, std::uint64_t sequ
       camera(of_image),
       levels(pyramid_levels),
       image(shown),
-      image_exposure(exposure),
-      thumbnail(ImagePyramid(toIntensity(image), camera, levels)) {}
+      image_exposure(exposure) {}
 
 void ArchivedKeyframe::update(const Reference& newer) {
   camera = newer.pyramid->level(0).camera;
@@ -123,8 +76,35 @@ std::shared_ptr<Reference> ArchivedKeyframe::restoreReference(const FrameConstPt
   return restored;
 }
 
+std::size_t mostRedundant(const std::vector<const Reference*>& keyframes, double depth) {
+  const auto between = [&](std::size_t first, std::size_t second) {
+    const Vector6 way = (keyframes[first]->T_map_reference.inverse() * keyframes[second]->T_map_reference).log();
+    return way.head<3>().norm() / depth + way.tail<3>().norm();
+  };
+  std::size_t redundant = 1;
+  double least = HUGE_VAL;
+  for (std::size_t k = 1; k + 1 < keyframes.size(); ++k) {
+    const double way = between(k - 1, k) + between(k, k + 1);
+    if (way >= least) continue;
+    least = way;
+    redundant = k;
+  }
+  return redundant;
+}
+
+void KeyframeArchive::add(const Reference& reference, const Frame& frame) {
+  add(ArchivedKeyframe(reference, frame), PlaceDescriptor(*reference.pyramid));
+}
+
 void KeyframeArchive::add(const ArchivedKeyframe& keyframe) {
-  keyframes_.insert_or_assign(keyframe.reference.id.keyframe_id, keyframe);
+  add(keyframe, PlaceDescriptor(keyframe.restoreFrame()->pyramid));
+}
+
+void KeyframeArchive::add(const ArchivedKeyframe& keyframe, const PlaceDescriptor& place) {
+  if (max_keyframes_ == 0) return;
+  const KeyframeId id = keyframe.reference.id.keyframe_id;
+  keyframes_.insert_or_assign(id, keyframe);
+  places_.add(id, place);
   while (keyframes_.size() > max_keyframes_) dropMostRedundant();
 }
 
@@ -137,15 +117,23 @@ void KeyframeArchive::replace(const Reference& reference, const Frame& frame) {
   if (keyframes_.count(reference.id.keyframe_id) > 0) add(reference, frame);
 }
 
+void KeyframeArchive::clear() {
+  keyframes_.clear();
+  places_ = {};
+}
+
 void KeyframeArchive::dropMostRedundant() {
   auto redundant = keyframes_.begin();
-  double most_alike = -2.0;
-  for (auto k = keyframes_.begin(); k != keyframes_.end() && std::next(k) != keyframes_.end(); ++k) {
-    const double alike = k->second.thumbnail.correlation(std::next(k)->second.thumbnail, {0, 0});
-    if (alike <= most_alike) continue;
-    most_alike = alike;
-    redundant = k;
+  if (keyframes_.size() > 2) {
+    std::vector<const Reference*> references;
+    std::vector<double> depths;
+    for (const auto& [id, keyframe] : keyframes_) {
+      references.push_back(&keyframe.reference);
+      depths.push_back(medianDepth(keyframe.reference));
+    }
+    std::advance(redundant, mostRedundant(references, median(depths)));
   }
+  places_.remove(redundant->first);
   keyframes_.erase(redundant);
 }
 

@@ -6,7 +6,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kMinCorrelation = 0.4;     // of thumbnails worth a trial
+constexpr double kMinCorrelation = 0.4;     // of small images, worth a trial
 constexpr std::size_t kMostCandidates = 9;  // before the first one is tried again
 constexpr int kAgreeingFrames = 3;          // the one that proposed the pose among them
 constexpr double kLeastError = 0.5;         // [px] that is always good enough
@@ -33,17 +33,11 @@ void Relocalizer::restart() {
   first_candidate_ = 0;
 }
 
-std::vector<Relocalizer::Candidate> Relocalizer::candidates(const ImagePyramid& image) const {
-  const Thumbnail thumbnail(image);
-  std::vector<Candidate> all;
-  for (const auto& [id, keyframe] : archive_.keyframes()) {
-    const Thumbnail::Match match = thumbnail.compare(keyframe.thumbnail);
-    if (match.correlation > kMinCorrelation) all.push_back({id, match.correlation, match.shift_px});
-  }
-  std::sort(all.begin(), all.end(),
-            [](const Candidate& a, const Candidate& b) { return a.correlation > b.correlation; });
-  if (all.size() > kMostCandidates) all.resize(kMostCandidates);
-  return all;
+std::vector<PlaceCandidate> Relocalizer::candidates(const ImagePyramid& image) const {
+  std::vector<PlaceCandidate> alike =
+      archive_.places().search(PlaceDescriptor(image), kMostCandidates, [](KeyframeId) { return true; });
+  while (!alike.empty() && alike.back().correlation < kMinCorrelation) alike.pop_back();
+  return alike;
 }
 
 bool Relocalizer::isGood(const TrackedFrame& tracked, double usual_error) const {
@@ -52,7 +46,7 @@ bool Relocalizer::isGood(const TrackedFrame& tracked, double usual_error) const 
          tracked.pixel_error <= std::max(kLeastError, kUsualErrors * usual_error);
 }
 
-ExposureTrajectory Relocalizer::start(const Candidate& candidate, const Frame& frame) const {
+ExposureTrajectory Relocalizer::start(const PlaceCandidate& candidate, const Frame& frame) const {
   const PinholeCamera& camera = archive_.keyframes().at(candidate.keyframe).camera;
   // What the frame sees in its middle is in the keyframe at the middle + shift: the camera has turned there.
   Vector6 turn = Vector6::Zero();
@@ -61,7 +55,7 @@ ExposureTrajectory Relocalizer::start(const Candidate& candidate, const Frame& f
   return {SE3::exp(turn), Vector6::Zero(), frame.exposure.value_or(unknown_exposure_)};
 }
 
-std::optional<Relocalizer::Suspicion> Relocalizer::align(const Candidate& candidate, const FrameConstPtr& frame,
+std::optional<Relocalizer::Suspicion> Relocalizer::align(const PlaceCandidate& candidate, const FrameConstPtr& frame,
                                                          double usual_error) const {
   const ArchivedKeyframe& keyframe = archive_.keyframes().at(candidate.keyframe);
   Suspicion suspicion;
@@ -107,7 +101,7 @@ std::optional<Relocalizer::Found> Relocalizer::find(const FrameConstPtr& frame, 
     return Found{found.keyframe, found.keyframe_frame, {frame->sequence, frame->mid_exposure_ns, found.trajectory}};
   }
   suspicion_.reset();
-  const std::vector<Candidate> ranked = candidates(frame->pyramid);
+  const std::vector<PlaceCandidate> ranked = candidates(frame->pyramid);
   if (first_candidate_ >= ranked.size()) first_candidate_ = 0;
   const std::size_t end =
       std::min(ranked.size(), first_candidate_ + static_cast<std::size_t>(config_.trials_per_frame));

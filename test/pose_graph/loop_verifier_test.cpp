@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mba_vo/pose_graph/place_index.h"
+#include "mba_vo/relocalization/place_index.h"
 #include "pose_graph/rendered_keyframes.h"
 
 namespace mba_vo {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mba_vo/pose_graph/loop_verifier.h"
-#include "mba_vo/pose_graph/place_index.h"
+#include "mba_vo/relocalization/place_index.h"
 
 namespace mba_vo {
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -8,28 +10,10 @@
 #include <opencv2/core.hpp>
 
 #include "mba_vo/image/frame.h"
+#include "mba_vo/relocalization/place_index.h"
 #include "mba_vo/tracking/reference.h"
 
 namespace mba_vo {
-
-/// A small, blurred, brightness-free version of an image, by which views are compared.
-class Thumbnail {
- public:
-  explicit Thumbnail(const ImagePyramid& pyramid);
-
-  struct Match {
-    double correlation = -1.0;                           // of the best shift
-    Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  // what is here, is there + shift [px of the finest level]
-  };
-  /// The shift, at most half the image, at which the two are most alike.
-  Match compare(const Thumbnail& other) const;
-  /// Of the pixels p here and p + shift there; -1 if they have less than half the image in common.
-  double correlation(const Thumbnail& other, const cv::Point& shift) const;
-
- private:
-  cv::Mat1f image_;
-  double px_per_pixel_ = 1.0;
-};
 
 /// A keyframe as the archive keeps it: the image in 8 bits, everything else as the tracker had it last.
 struct ArchivedKeyframe {
@@ -40,7 +24,6 @@ struct ArchivedKeyframe {
   int levels = 0;
   cv::Mat1b image;                       // 255 = invalid
   std::optional<double> image_exposure;  // that the image shows: none at all if it was deblurred [s]
-  Thumbnail thumbnail;
 
   ArchivedKeyframe(const Reference& of, const Frame& frame);
   /// As it was written down. The rest is as in the members.
@@ -55,28 +38,35 @@ struct ArchivedKeyframe {
   std::shared_ptr<Reference> restoreReference(const FrameConstPtr& frame) const;
 };
 
-/// Keyframes of a map, those that have left the window too. Where it is full, the one goes that looks most like
-/// another.
+/// Which of these keyframes, by time, has neighbours that are nearest to it, in place (in units of `depth`) and view:
+/// it says least that others do not say. Neither the first nor the last; there must be three.
+std::size_t mostRedundant(const std::vector<const Reference*>& keyframes, double depth);
+
+/// Keyframes of a map, those that have left the window too. Where it is full, the one goes that says least.
 class KeyframeArchive {
  public:
   explicit KeyframeArchive(int max_keyframes) : max_keyframes_(static_cast<std::size_t>(max_keyframes)) {}
 
   /// Adds a keyframe, or replaces what is known of it.
-  void add(const Reference& reference, const Frame& frame) { add(ArchivedKeyframe(reference, frame)); }
+  void add(const Reference& reference, const Frame& frame);
   void add(const ArchivedKeyframe& keyframe);
   /// Newer points and pose of a keyframe; its image is what it was. Nothing if it is not kept.
   void update(const Reference& reference);
   /// The keyframe has another image now. Nothing if it is not kept.
   void replace(const Reference& reference, const Frame& frame);
-  void clear() { keyframes_.clear(); }
+  void clear();
 
   const std::map<KeyframeId, ArchivedKeyframe>& keyframes() const { return keyframes_; }
+  /// What they look like.
+  const PlaceIndex& places() const { return places_; }
 
  private:
+  void add(const ArchivedKeyframe& keyframe, const PlaceDescriptor& place);
   void dropMostRedundant();
 
   std::size_t max_keyframes_;
   std::map<KeyframeId, ArchivedKeyframe> keyframes_;
+  PlaceIndex places_;
 };
 
 }  // namespace mba_vo

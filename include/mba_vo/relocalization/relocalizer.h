@@ -45,11 +45,6 @@ class Relocalizer {
   void restart();
 
  private:
-  struct Candidate {
-    KeyframeId keyframe;
-    double correlation;
-    Eigen::Vector2d shift_px;
-  };
   /// A pose that some frames in a row agree with.
   struct Suspicion {
     KeyframeId keyframe = 0;
@@ -59,10 +54,10 @@ class Relocalizer {
     std::int64_t mid_exposure_ns = 0;
     int agreeing = 1;  // frames
   };
-  std::vector<Candidate> candidates(const ImagePyramid& image) const;
+  std::vector<PlaceCandidate> candidates(const ImagePyramid& image) const;
   bool isGood(const TrackedFrame& tracked, double usual_error) const;
-  ExposureTrajectory start(const Candidate& candidate, const Frame& frame) const;
-  std::optional<Suspicion> align(const Candidate& candidate, const FrameConstPtr& frame, double usual_error) const;
+  ExposureTrajectory start(const PlaceCandidate& candidate, const Frame& frame) const;
+  std::optional<Suspicion> align(const PlaceCandidate& candidate, const FrameConstPtr& frame, double usual_error) const;
   /// Follows the suspicion to this frame; false if it was wrong.
   bool confirm(const FrameConstPtr& frame, double usual_error);
 

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "mba_vo/blur/multiversion.h"
-#include "mba_vo/pose_graph/place_index.h"
+#include "mba_vo/relocalization/place_index.h"
 
 namespace mba_vo {
 namespace {

@@ -1,4 +1,4 @@
-#include "mba_vo/pose_graph/place_index.h"
+#include "mba_vo/relocalization/place_index.h"
 
 #include <algorithm>
 #include <cmath>
