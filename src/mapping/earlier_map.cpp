@@ -55,6 +55,7 @@ MapperOutput Mapper::Impl::beginWithoutEarlierMap(const std::string& reason) {
 LocalMap::Identity Mapper::Impl::identityOfEarlierMap() {
   if (!earlier_->id) earlier_->id = next_map_id_++;
   const SavedMap& map = earlier_->map;
+  loops_.know(map, *earlier_->id);
   for (const ArchivedKeyframe& keyframe : map.keyframes) {
     store_.setKeyframePose(*earlier_->id, keyframe.reference.id.keyframe_id, keyframe.reference.T_map_reference);
   }

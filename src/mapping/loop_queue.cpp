@@ -7,19 +7,6 @@
 namespace mba_vo {
 namespace {
 
-using Closer = std::unique_ptr<LoopCloser>;
-
-Closer addAll(Closer closer, const std::vector<ArchivedKeyframeConstPtr>& keyframes) {
-  for (const ArchivedKeyframeConstPtr& keyframe : keyframes) {
-    if (keyframe) {
-      closer->add(keyframe);
-    } else {
-      closer->forgetKeyframes();
-    }
-  }
-  return closer;
-}
-
 std::string describe(const LoopTrial& trial) {
   const std::string pair = "keyframes " + std::to_string(trial.older) + " and " + std::to_string(trial.newer) +
                            " of map " + std::to_string(trial.map);
@@ -34,17 +21,21 @@ LoopQueue::LoopQueue(const LoopConfig& config, const TrackerConfig& tracker, std
 LoopQueue::~LoopQueue() = default;
 
 void LoopQueue::add(const ArchivedKeyframeConstPtr& keyframe) {
-  waiting_.push_back(keyframe);
+  waiting_.push_back({[keyframe](LoopCloser& closer) { closer.add(keyframe); }, true});
   if (waiting_.size() > most_waiting_) {
-    const auto oldest = std::find_if(waiting_.begin(), waiting_.end(), [](const auto& k) { return k != nullptr; });
-    waiting_.erase(oldest);
+    waiting_.erase(std::find_if(waiting_.begin(), waiting_.end(), [](const Job& job) { return job.is_comparison; }));
     ++counts_.left_out;
   }
   begin();
 }
 
+void LoopQueue::know(const ArchivedKeyframeConstPtr& keyframe) {
+  waiting_.push_back({[keyframe](LoopCloser& closer) { closer.know(keyframe); }});
+  begin();
+}
+
 void LoopQueue::forgetKeyframes() {
-  waiting_.push_back(nullptr);
+  waiting_.push_back({[](LoopCloser& closer) { closer.forgetKeyframes(); }});
   begin();
 }
 
@@ -56,12 +47,21 @@ const LoopCloser& LoopQueue::settled() {
   return *closer_;
 }
 
+const LoopQueue::Found& LoopQueue::found() {
+  begin();
+  return found_;
+}
+
 LoopCounts LoopQueue::counts() {
   begin();
   LoopCounts counts = counts_;
-  counts.waiting =
-      with_thread_ + waiting_.size() - static_cast<std::size_t>(std::count(waiting_.begin(), waiting_.end(), nullptr));
+  counts.waiting = with_thread_ + comparisonsWaiting();
   return counts;
+}
+
+std::size_t LoopQueue::comparisonsWaiting() const {
+  return static_cast<std::size_t>(
+      std::count_if(waiting_.begin(), waiting_.end(), [](const Job& job) { return job.is_comparison; }));
 }
 
 /// The thread takes all that waits and the closer with it, and hands the closer back: nothing is shared.
@@ -71,11 +71,12 @@ void LoopQueue::begin() {
     takeBack();
   }
   if (waiting_.empty()) return;
-  with_thread_ = waiting_.size() - static_cast<std::size_t>(std::count(waiting_.begin(), waiting_.end(), nullptr));
+  with_thread_ = comparisonsWaiting();
   // A thread inherits the priority of the one that begins it.
   running_ =
-      std::async(std::launch::async, [closer = std::move(closer_), keyframes = std::exchange(waiting_, {})]() mutable {
-        return addAll(std::move(closer), keyframes);
+      std::async(std::launch::async, [closer = std::move(closer_), jobs = std::exchange(waiting_, {})]() mutable {
+        for (const Job& job : jobs) job.work(*closer);
+        return std::move(closer);
       });
 }
 
@@ -83,7 +84,11 @@ void LoopQueue::takeBack() {
   closer_ = running_.get();
   with_thread_ = 0;
   const std::vector<LoopTrial>& trials = closer_->trials();
-  for (std::size_t i = counts_.compared; i < trials.size(); ++i) counts_.closed += trials[i].verdict.accepted() ? 1 : 0;
+  for (std::size_t i = counts_.compared; i < trials.size(); ++i) {
+    if (trials[i].verdict.accepted()) found_.loops.push_back(trials[i]);
+  }
+  counts_.closed = found_.loops.size();
+  found_.usual_depth = closer_->usualDepth();
   counts_.compared = trials.size();
   if (!trials.empty()) counts_.last = describe(trials.back());
 }

@@ -85,7 +85,7 @@ MapperOutput Mapper::Impl::refine() {
   output.refinement = true;
   output.residuals = map_->residualCount();
   if (map_->refineWindow(refining_->report)) return output;
-  complete(refining_->report, refining_->chosen, true);
+  output.message = complete(refining_->report, refining_->chosen, true);
   output.keyframe = std::move(refining_->report);
   refining_.reset();
   output.reference = reference_;
@@ -95,12 +95,13 @@ MapperOutput Mapper::Impl::refine() {
 
 void Mapper::Impl::refineNoFurther(MapperOutput& output) {
   map_->refineWindowNoFurther(refining_->report);
-  complete(refining_->report, refining_->chosen, false);
+  output.message = complete(refining_->report, refining_->chosen, false);
   output.keyframe = std::move(refining_->report);
   refining_.reset();
 }
 
-void Mapper::Impl::complete(KeyframeReport& report, const TrackedFrameConstPtr& chosen, bool refined) {
+std::string Mapper::Impl::complete(KeyframeReport& report, const TrackedFrameConstPtr& chosen, bool refined) {
+  std::string news = loops_.follow(*map_, store_);
   const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kKeyframe, map_->newestKeyframe());
   if (refined) {  // else its error is none that the map should be judged by
     report.error_px = keyframeError(report.rms, *reference);
@@ -113,7 +114,7 @@ void Mapper::Impl::complete(KeyframeReport& report, const TrackedFrameConstPtr& 
   deblur(chosen->frame, chosen->trajectory.acceleration, chosen->trajectory.velocity);
   store_.makeKeyframe(*chosen, reference_->id.map_id, reference_->id.keyframe_id);
   deferred_.update(*map_);
-  loops_.follow(*map_);
+  return news;
 }
 
 void Mapper::Impl::deblur(const FrameConstPtr& frame, const Vector6& acceleration,
@@ -125,6 +126,7 @@ void Mapper::Impl::deblur(const FrameConstPtr& frame, const Vector6& acceleratio
 std::shared_ptr<Reference> Mapper::Impl::snapshot(ReferenceCause cause, KeyframeId keyframe, const std::string& doubt) {
   std::shared_ptr<Reference> reference = map_->makeReference(keyframe, doubt);
   reference->cause = cause;
+  reference->T_corrected_map = loops_.T_corrected_map();
   reference->id.revision = revision_++;
   return reference;
 }
@@ -135,6 +137,22 @@ SmoothedTrajectory Mapper::Impl::smoothedTrajectory() const {
   DeferredTracking deferred = deferred_;
   deferred.finish(*map_, store);
   return loops_.smoothed(store, map_.get());
+}
+
+std::vector<TrajectoryEntry> Mapper::Impl::trajectory() const { return store_.entries(loops_.corrected(store_)); }
+
+std::vector<MapPoint> Mapper::Impl::points() const {
+  if (!map_) return {};
+  std::vector<MapPoint> points = map_->points();
+  const TrajectoryStore::CorrectedKeyframes corrected = loops_.corrected(store_);
+  if (corrected.empty()) return points;
+  for (MapPoint& point : points) {
+    const auto moved = corrected.find({point.map_id, point.keyframe_id});
+    if (moved == corrected.end()) continue;
+    const SE3 T_map_keyframe = store_.T_map_keyframe(point.map_id, point.keyframe_id);
+    point.position_map = moved->second * (T_map_keyframe.inverse() * point.position_map);
+  }
+  return points;
 }
 
 Mapper::Mapper(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer)
@@ -153,7 +171,7 @@ void Mapper::abandonMap() { impl_->abandonMap(); }
 void Mapper::beginIn(const SavedMap& map) { impl_->beginIn(map); }
 std::optional<SavedMap> Mapper::savedMap() const { return impl_->savedMap(); }
 ReferenceConstPtr Mapper::currentReference() const { return impl_->currentReference(); }
-std::vector<TrajectoryEntry> Mapper::trajectory() const { return impl_->store().entries(); }
+std::vector<TrajectoryEntry> Mapper::trajectory() const { return impl_->trajectory(); }
 std::optional<CalibrationCorrection> Mapper::correction() const { return impl_->correction(); }
 std::optional<CalibrationCorrection> Mapper::settledCorrection() const { return impl_->settledCorrection(); }
 std::vector<MapPoint> Mapper::points() const { return impl_->points(); }

@@ -37,8 +37,8 @@ class Mapper::Impl {
   std::optional<CalibrationCorrection> settledCorrection() const {
     return calibration_ ? calibration_->settled() : std::nullopt;
   }
-  const TrajectoryStore& store() const { return store_; }
-  std::vector<MapPoint> points() const { return map_ ? map_->points() : std::vector<MapPoint>(); }
+  std::vector<TrajectoryEntry> trajectory() const;
+  std::vector<MapPoint> points() const;
   DeblurCounts deblurCounts() const { return deblurring_.counts(); }
   LoopCounts loopCounts() const { return loops_.counts(); }
 
@@ -53,7 +53,8 @@ class Mapper::Impl {
   /// The keyframe that is being refined has to do with what there is.
   void refineNoFurther(MapperOutput& output);
   /// The window has been refined with its newest keyframe, made of `chosen`, or would have been.
-  void complete(KeyframeReport& report, const TrackedFrameConstPtr& chosen, bool refined);
+  /// What loops have done to the map, or nothing, is returned.
+  std::string complete(KeyframeReport& report, const TrackedFrameConstPtr& chosen, bool refined);
   /// The newest keyframe, made of this frame.
   void deblur(const FrameConstPtr& frame, const Vector6& acceleration = Vector6::Zero(),
               const std::optional<Vector6>& measured_velocity = std::nullopt);

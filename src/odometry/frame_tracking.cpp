@@ -107,7 +107,8 @@ std::optional<SE3> FrameTracking::predicted_T_odom_camera(std::int64_t mid_expos
 }
 
 SE3 FrameTracking::T_map_odom() const {
-  return reference_ ? reference_->T_map_reference * T_odom_reference_.inverse() : SE3();
+  if (!reference_) return {};
+  return reference_->T_corrected_map * reference_->T_map_reference * T_odom_reference_.inverse();
 }
 
 SE3 FrameTracking::T_newReference_oldReference(const Reference& next) const {

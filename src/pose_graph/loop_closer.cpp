@@ -63,6 +63,10 @@ void LoopCloser::add(const ArchivedKeyframeConstPtr& keyframe) {
   keep(keyframe, descriptor);
 }
 
+void LoopCloser::know(const ArchivedKeyframeConstPtr& keyframe) {
+  keep(keyframe, PlaceDescriptor(keyframe->restoreFrame()->pyramid));
+}
+
 void LoopCloser::keep(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescriptor& descriptor) {
   const KeyframeId id = keyframe->reference.id.keyframe_id;
   index_.add(id, descriptor);

@@ -38,7 +38,7 @@ ReferenceSummary summarize(const Reference& reference, const std::string& map_fr
   summary.keyframe_id = reference.id.keyframe_id;
   summary.revision = reference.id.revision;
   summary.cause = toString(reference.cause);
-  summary.pose = toPoseMsg(reference.T_map_reference);
+  summary.pose = toPoseMsg(reference.T_corrected_map * reference.T_map_reference);
   summary.points = static_cast<std::uint32_t>(reference.points.size());
   for (const auto& keyframe : reference.T_map_keyframe) {
     summary.window.push_back(keyframe.first);

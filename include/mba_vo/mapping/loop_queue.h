@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <future>
 #include <memory>
 #include <string>
@@ -33,23 +34,38 @@ class LoopQueue {
   LoopQueue& operator=(const LoopQueue&) = delete;
 
   void add(const ArchivedKeyframeConstPtr& keyframe);
+  /// LoopCloser::know.
+  void know(const ArchivedKeyframeConstPtr& keyframe);
   /// Another map begins.
   void forgetKeyframes();
   /// What has been found when nothing waits any more.
   const LoopCloser& settled();
+  /// The loops that have been closed and what keyframes usually see lies at (LoopCloser::usualDepth), by what is known
+  /// without waiting.
+  struct Found {
+    std::vector<LoopTrial> loops;
+    double usual_depth = 1.0;
+  };
+  const Found& found();
   /// By what is known without waiting.
   LoopCounts counts();
 
  private:
+  struct Job {
+    std::function<void(LoopCloser&)> work;
+    bool is_comparison = false;  // may be left out
+  };
   void begin();
   void takeBack();
+  std::size_t comparisonsWaiting() const;
 
   std::size_t most_waiting_;
-  std::vector<ArchivedKeyframeConstPtr> waiting_;  // null: forget those before
-  std::unique_ptr<LoopCloser> closer_;             // null while the thread has it
-  std::size_t with_thread_ = 0;                    // keyframes
+  std::vector<Job> waiting_;
+  std::unique_ptr<LoopCloser> closer_;  // null while the thread has it
+  std::size_t with_thread_ = 0;         // keyframes
   std::future<std::unique_ptr<LoopCloser>> running_;
   LoopCounts counts_;
+  Found found_;
 };
 
 }  // namespace mba_vo

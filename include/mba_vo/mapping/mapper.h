@@ -78,7 +78,8 @@ class Mapper {
   /// The last such correction that the images left as it is for a while; nullopt if there was none.
   std::optional<CalibrationCorrection> settledCorrection() const;
 
-  /// All frames with a measured pose, by time, each re-expressed with its keyframe's newest pose.
+  /// All frames with a measured pose, by time, each re-expressed with its keyframe's newest pose, as the loops known by
+  /// now have it.
   std::vector<TrajectoryEntry> trajectory() const;
   /// The same as if all that was put off had been done, and loops closed; nothing has, and the map goes on as if nobody
   /// had asked.

@@ -18,7 +18,7 @@ struct LoopConfig {
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
     v("close", c.close,
-      "recognise places that were seen before and correct the smoothed trajectory by them; odometry stays as it is");
+      "recognise places that were seen before and correct map and trajectory by them; odometry stays as it is");
     v("candidates", c.candidates, 1, 100, "earlier keyframes that each keyframe is compared with, the likeliest first");
     v("max_megabytes", c.max_megabytes, 1.0, 1e6,
       "memory for keyframes that places are recognised by; those that say what others say go first [MB]");
@@ -45,6 +45,8 @@ class LoopCloser {
 
   /// A keyframe leaves the window: it is looked for among those that left before, and kept.
   void add(const ArchivedKeyframeConstPtr& keyframe);
+  /// Keeps a keyframe of an earlier run, whose loops were closed then.
+  void know(const ArchivedKeyframeConstPtr& keyframe);
   /// Another map begins: keyframes are forgotten, what was found stays.
   void forgetKeyframes();
 

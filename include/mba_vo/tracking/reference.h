@@ -65,7 +65,8 @@ struct Reference {
   ReferenceCause cause = ReferenceCause::kKeyframe;
   ReferenceId id;
   std::int64_t mid_exposure_ns = 0;  // of its image [ns]
-  SE3 T_map_reference;
+  SE3 T_map_reference;               // as the window has it
+  SE3 T_corrected_map;               // by what closed loops have moved all that the window has; published poses have it
   std::shared_ptr<const ImagePyramid> pyramid;
   Vector6 image_xi = Vector6::Zero();                       // motion blur left in the image, 0 = sharp [m, rad]
   BodyMotion motion;                                        // while the rows of a rolling shutter are read
