@@ -50,7 +50,7 @@ LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initi
   for (const ReferencePoint& point : initial.points) {
     const MeasuredDepth depth{static_cast<double>(point.inverse_depth), static_cast<double>(point.variance)};
     window_.addPoint(newestKeyframe(), point.pixel.cast<double>(), depth.inverse_depth,
-                     metric_ ? depth : MeasuredDepth());
+                     metric_ || place.has_depths ? depth : MeasuredDepth());
   }
   selectImmaturePoints(keyframes_.at(newestKeyframe()));
   storePoses();

@@ -53,7 +53,7 @@ std::unique_ptr<LocalMap> Recovery::windowAt(const Relocalizer::Found& found, Lo
   initial.points = known.points;
   initial.metric = map.metric;
   const SE3 T_map_keyframe = store.T_map_keyframe(map.id, found.keyframe);
-  const LocalMap::Place place{T_map_keyframe, map.next_keyframe, known.brightness};
+  const LocalMap::Place place{T_map_keyframe, map.next_keyframe, known.brightness, true};
   auto window = std::make_unique<LocalMap>(config_, map.id, initial, known.motion, place, store, calibration);
   window->inheritPoints(std::move(map.points));
   return window;

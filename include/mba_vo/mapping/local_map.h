@@ -36,6 +36,7 @@ class LocalMap {
     SE3 T_map_keyframe;
     KeyframeId keyframe = 0;
     AffineBrightness brightness;
+    bool has_depths = false;  // that an earlier window of the map has found: they keep its unit of length
   };
   /// Begins with the initial map's reference, moving by `reference_motion`, as first keyframe.
   LocalMap(const MapperConfig& config, MapId id, const InitialMap& initial, const BodyMotion& reference_motion,
