@@ -32,7 +32,7 @@ mapper.window.max_residuals: the same
 mapper.deblur.method: sharp images of keyframes are wanted; the map seldom needs them
 mapper.restart_after_lost: upwards, where the camera is likely to come back to what it knows
 mapper.relocalizer.max_keyframes: upwards, where it comes back after long; downwards, to save memory (0.4 MB each)
-mapper.loops.close: on, where the camera comes back to places and the trajectory is wanted as it is saved in the end: it no longer drifts there
+mapper.loops.close: on, where the camera comes back to places: map and trajectory no longer drift there
 mapper.loops.max_megabytes: upwards, for large places; downwards, to save memory
 mapper.refine_calibration: off, where the calibration is exact and is corrected all the same
 '
