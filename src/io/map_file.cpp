@@ -70,6 +70,7 @@ void check(const KeyframeRecord& record, const cv::Mat1b& image) {
   require(image.cols == camera.width && image.rows == camera.height, "an image of another size than its camera's");
   require(camera.fx > 0.0 && camera.fy > 0.0 && std::isfinite(camera.fx + camera.fy + camera.cx + camera.cy),
           "a focal length or centre");
+  require(record.reference.mid_exposure_ns <= kBeforeAnyRun, "a time of mid-exposure");
   const SE3& T = record.reference.T_map_reference;
   require(T.translation().allFinite() && T.rotation().coeffs().allFinite(), "a pose");
   for (const ReferencePoint& point : record.reference.points) {
@@ -134,6 +135,7 @@ std::string payloadOf(std::istream& in) {
 }  // namespace
 
 void writeMap(const std::string& file, SavedMap map) {
+  if (map.keyframes.empty()) throw std::runtime_error(file + ": not written: the map has no keyframe");
   moveBeforeAnyRun(map);
   MapRecord record{map.metric, map.usual_error, {}};
   for (const ArchivedKeyframe& keyframe : map.keyframes) record.keyframes.push_back(recordOf(keyframe));

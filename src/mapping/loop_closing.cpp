@@ -68,13 +68,23 @@ std::string LoopClosing::follow(LocalMap& map, const TrajectoryStore& store) {
 
 void LoopClosing::know(const SavedMap& earlier, MapId map) {
   if (!queue_) return;
-  corrections_.erase(map);  // what is saved has it
   for (const ArchivedKeyframe& keyframe : earlier.keyframes) {
     const FrameConstPtr frame = keyframe.restoreFrame();
     const std::shared_ptr<Reference> reference = keyframe.restoreReference(frame);
     reference->id.map_id = map;
     queue_->know(archiveForLoops(*reference, *frame));
   }
+}
+
+void LoopClosing::beginWindowAt(MapId map, KeyframeId keyframe, const TrajectoryStore& store) {
+  const auto known = corrections_.find(map);
+  if (known == corrections_.end()) return;
+  const TrajectoryStore::CorrectedKeyframes now = corrected(store);
+  for (const auto& [id, S] : now) {
+    if (id.first == map) known->second.keyframes[id.second] = S;
+  }
+  T_corrected_map_ = now.at({map, keyframe}).rigid() * store.T_map_keyframe(map, keyframe).inverse();
+  known->second.T_corrected_map = T_corrected_map_;
 }
 
 void LoopClosing::close(const LocalMap& map) {

@@ -22,7 +22,7 @@ LoopQueue::~LoopQueue() = default;
 
 void LoopQueue::add(const ArchivedKeyframeConstPtr& keyframe) {
   waiting_.push_back({[keyframe](LoopCloser& closer) { closer.add(keyframe); }, true});
-  if (waiting_.size() > most_waiting_) {
+  if (comparisonsWaiting() > most_waiting_) {
     waiting_.erase(std::find_if(waiting_.begin(), waiting_.end(), [](const Job& job) { return job.is_comparison; }));
     ++counts_.left_out;
   }

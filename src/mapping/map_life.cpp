@@ -11,7 +11,11 @@ constexpr int kFramesUntilResend = 15;  // the first reference may still be on i
 
 }  // namespace
 
-MapperOutput Mapper::Impl::findMap(const TrackedFrame& frame) {
+MapperOutput Mapper::Impl::findMap(const TrackedFrame& frame, bool has_time) {
+  if (frame.blind || !has_time) {
+    recovery_.passOver(frame);
+    return {};
+  }
   return earlier_ ? locate(frame) : initialize(frame.frame);
 }
 
@@ -108,6 +112,8 @@ MapperOutput Mapper::Impl::giveUp(MapperOutput output) {
   store_.forget(map_->id(), young || bad > map_->newestKeyframe() ? 0 : map_->newestKeyframe() + 1 - bad);
   const std::vector<FrameConstPtr> frames = young ? initial_frames_ : std::vector<FrameConstPtr>();
   const std::int64_t failed_ns = first_keyframe_ns_;
+  // It would be found there again, and again be wrong.
+  if (young && !config_.localize_only) earlier_.reset();
   forgetMap();
   calibration_ = calibration_before_map_;
   last->correction = calibration_->correction();
@@ -144,7 +150,9 @@ MapperOutput Mapper::Impl::handleLost(const TrackedFrame& frame, bool has_time) 
   output.reference = closed("lost for too long, no map yet");
   output.message = earlier_ ? "lost for too long: the camera is looked for in the map that was loaded"
                             : "lost for too long: a new map begins";
-  if (earlier_) earlier_->map = savedMap().value_or(earlier_->map);
+  if (earlier_ && !config_.localize_only) {
+    if (auto grown = mapAsCorrected(loops_.corrected(store_))) earlier_ = std::move(grown);
+  }
   forgetMap();
   return output;
 }
@@ -154,6 +162,7 @@ MapperOutput Mapper::Impl::goOnFrom(const Relocalizer::Found& found, MapperOutpu
   const bool departed = begins || !map_->has(found.keyframe);
   if (departed) {
     if (!begins) loops_.close(*map_);
+    if (!begins) loops_.beginWindowAt(map_->id(), found.keyframe, store_);
     if (begins) calibration_before_map_ = *calibration_;
     map_ = recovery_.windowAt(found, begins ? identityOfEarlierMap() : map_->identity(), store_, *calibration_);
   }

@@ -20,7 +20,7 @@ Mapper::Impl::Impl(const MapperConfig& config, std::shared_ptr<const Deblurrer> 
 MapperOutput Mapper::Impl::process(const TrackedFrameConstPtr& frame, bool has_time) {
   // The tracker may know a map of a mapper that was there before this one.
   if (!map_) next_map_id_ = std::max(next_map_id_, frame->reference.map_id + 1);
-  if (!map_) return frame->blind || !has_time ? MapperOutput() : findMap(*frame);
+  if (!map_) return findMap(*frame, has_time);
   if (frame->frame->mid_exposure_ns <= last_.mid_exposure_ns) return revise(frame);
   // A tracker that was lost for so long that it gave up its reference reports INITIALIZING.
   if (frame->status == TrackingStatus::kLost || (recovery_.isLost() && !frame->tracked()))
@@ -106,7 +106,7 @@ std::string Mapper::Impl::complete(KeyframeReport& report, const TrackedFrameCon
   if (refined) {  // else its error is none that the map should be judged by
     report.error_px = keyframeError(report.rms, *reference);
     health_.addKeyframe(report.error_px);
-    health_.addDepths(report.depths);
+    if (map_->isMetric()) health_.addDepths(report.depths);  // else they are what an earlier window had found
   }
   reference->doubt = health_.doubt();
   reference_ = reference;

@@ -29,6 +29,8 @@ class Mapper::Impl {
   void abandonMap();
   void beginIn(const SavedMap& map);
   std::optional<SavedMap> savedMap() const;
+  /// The present map, with keyframes where loops have put them; nullopt if none is kept.
+  std::optional<SavedMap> mapAsCorrected(const TrajectoryStore::CorrectedKeyframes& corrected) const;
 
   ReferenceConstPtr currentReference() const { return reference_; }
   std::optional<CalibrationCorrection> correction() const {
@@ -61,12 +63,12 @@ class Mapper::Impl {
   /// Of a keyframe in the window, for the tracker.
   std::shared_ptr<Reference> snapshot(ReferenceCause cause, KeyframeId keyframe, const std::string& doubt = {});
 
-  MapperOutput findMap(const TrackedFrame& frame);
+  MapperOutput findMap(const TrackedFrame& frame, bool has_time);
   bool isKnownWithoutMap(const Frame& frame);
   /// Looks for the camera in the map of an earlier run, for a while, or for ever where only that counts.
   MapperOutput locate(const TrackedFrame& frame);
   void lookInEarlierMap();
-  MapperOutput beginWithoutEarlierMap(const std::string& reason);
+  MapperOutput notFoundInEarlierMap(const std::string& reason);
   /// What the window in which the camera was found continues.
   LocalMap::Identity identityOfEarlierMap();
   /// The map is the earlier one, and stays as it was then.
@@ -109,11 +111,7 @@ class Mapper::Impl {
   };
   std::optional<Refining> refining_;  // the newest keyframe, until it is refined
   MapId next_map_id_ = 1;
-  struct EarlierMap {
-    SavedMap map;
-    std::optional<MapId> id;  // that it has in this run since the camera was found in it
-  };
-  std::optional<EarlierMap> earlier_;  // none: this run began its maps itself
+  std::optional<SavedMap> earlier_;  // none: this run began its maps itself
   MapHealth health_;
   Recovery recovery_;
   DeferredTracking deferred_;

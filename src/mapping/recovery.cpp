@@ -20,6 +20,10 @@ void Recovery::keep(const Reference& keyframe, const Frame& frame, const LocalMa
 
 void Recovery::lose(const TrackedFrame& frame) { clock_.lose(frame.frame->mid_exposure_ns, frame.blind); }
 
+void Recovery::passOver(const TrackedFrame& frame) {
+  if (clock_.lost()) clock_.lose(frame.frame->mid_exposure_ns, true);
+}
+
 bool Recovery::isDue(const TrackedFrame& frame) const {
   const std::int64_t now = frame.frame->mid_exposure_ns;
   const bool on_its_way = found_ns_ && 1e-9 * static_cast<double>(now - *found_ns_) < kLongestWayThere;

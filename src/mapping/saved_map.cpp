@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace mba_vo {
 
@@ -13,9 +12,14 @@ std::size_t SavedMap::pointCount() const {
 }
 
 void moveBeforeAnyRun(SavedMap& map) {
-  std::int64_t newest = std::numeric_limits<std::int64_t>::min();
-  for (const ArchivedKeyframe& keyframe : map.keyframes) newest = std::max(newest, keyframe.reference.mid_exposure_ns);
-  for (ArchivedKeyframe& keyframe : map.keyframes) keyframe.reference.mid_exposure_ns += kBeforeAnyRun - newest;
+  constexpr std::int64_t kLongestGap = 60'000'000'000;  // [ns]
+  std::int64_t next = 0, moved = kBeforeAnyRun;
+  for (auto keyframe = map.keyframes.rbegin(); keyframe != map.keyframes.rend(); ++keyframe) {
+    std::int64_t& ns = keyframe->reference.mid_exposure_ns;
+    if (keyframe != map.keyframes.rbegin()) moved -= std::clamp<std::int64_t>(next - ns, 0, kLongestGap);
+    next = ns;
+    ns = moved;
+  }
 }
 
 void place(ArchivedKeyframe& keyframe, const Sim3& S_map_keyframe) {
@@ -28,6 +32,14 @@ void place(ArchivedKeyframe& keyframe, const Sim3& S_map_keyframe) {
   for (ReferencePoint& point : reference.points) {
     point.inverse_depth = static_cast<float>(point.inverse_depth / scale);
     point.variance = static_cast<float>(point.variance / (scale * scale));
+  }
+}
+
+void keepUnit(std::vector<Sim3>& poses) {
+  const Eigen::Vector3d origin = poses.front().translation();
+  const double unit = 1.0 / poses.front().scale();
+  for (Sim3& S : poses) {
+    S = Sim3(SE3(S.rotation(), origin + unit * (S.translation() - origin)), unit * S.scale());
   }
 }
 

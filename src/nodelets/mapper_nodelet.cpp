@@ -1,5 +1,6 @@
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include <mba_vo/MapFile.h>
@@ -91,6 +92,7 @@ class MapperNodelet final : public nodelet::Nodelet {
   /// `work` says what it has done, or throws.
   template <typename Response>
   bool answer(const char* service, Response& response, const std::function<std::string()>& work) {
+    const std::lock_guard<std::mutex> one_at_a_time(answer_mutex_);  // two may want the same file
     try {
       response.message = work();
       response.success = true;
@@ -122,6 +124,7 @@ class MapperNodelet final : public nodelet::Nodelet {
     }
   }
 
+  std::mutex answer_mutex_;
   bool save_on_shutdown_ = false;
   std::string output_directory_;
   double alone_ = 0.0;  // for how long there has been no tracker [s]

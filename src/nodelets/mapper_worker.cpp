@@ -1,5 +1,7 @@
 #include "mapper_worker.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <utility>
 
@@ -73,7 +75,7 @@ void MapperWorker::publish(const MapperStep& step) {
   status_.mapped(output);
   status_.keyframesDeblurred(pipeline_.mapper().deblurCounts());
   if (output.reference) publishReference(step.reference);
-  if (output.keyframe || output.reference || step.was_reset) {
+  if (output.keyframe || output.reference || output.is_news || step.was_reset) {
     ROS_INFO_STREAM_COND(!output.message.empty(), output.message);
     status_.publish(pipeline_.queueBytes());
   }
@@ -87,7 +89,8 @@ void MapperWorker::publish(const MapperStep& step) {
 void MapperWorker::publishReference(const MapperMessage& message) {
   const auto out = boost::make_shared<ReferenceMessage>();
   out->summary = summarize(*message.reference, map_frame_);
-  out->summary.header.stamp = toRosTime(message.reference->mid_exposure_ns);
+  // A keyframe of an earlier run has no time in this one.
+  out->summary.header.stamp = toRosTime(std::max<std::int64_t>(message.reference->mid_exposure_ns, 0));
   out->summary.session = message.session;
   out->summary.status = status_.snapshot();
   out->reference = message.reference;

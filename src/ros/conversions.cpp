@@ -1,6 +1,5 @@
 #include "mba_vo/ros/conversions.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -9,7 +8,7 @@ namespace mba_vo {
 
 ros::Time toRosTime(std::int64_t nanoseconds) {
   ros::Time time;
-  time.fromNSec(static_cast<std::uint64_t>(std::max<std::int64_t>(nanoseconds, 0)));
+  time.fromNSec(static_cast<std::uint64_t>(nanoseconds));
   return time;
 }
 

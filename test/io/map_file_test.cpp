@@ -100,6 +100,11 @@ TEST(MapFile, KeyframesLieBeforeAnyRun) {
   const SavedMap read = readMap(folder.file("room.map"));
   EXPECT_EQ(read.keyframes[1].reference.mid_exposure_ns, kBeforeAnyRun);
   EXPECT_EQ(read.keyframes[0].reference.mid_exposure_ns, kBeforeAnyRun - 4'000'000'000LL);
+  SavedMap years_later = read;
+  years_later.keyframes[1].reference.mid_exposure_ns = 1'700'000'000'000'000'000LL;
+  moveBeforeAnyRun(years_later);
+  EXPECT_EQ(years_later.keyframes[1].reference.mid_exposure_ns, kBeforeAnyRun);
+  EXPECT_EQ(years_later.keyframes[0].reference.mid_exposure_ns, kBeforeAnyRun - 60'000'000'000LL);
 }
 
 TEST(MapFile, ADamagedFileIsRefusedAndLeftAsItIs) {
@@ -149,6 +154,13 @@ TEST(MapFile, WhatWasThereStaysWhereItCannotBeWritten) {
   const TemporaryFolder folder;
   EXPECT_THROW(writeMap(folder.file("no/such/folder.map"), exampleMap()), std::runtime_error);
   EXPECT_FALSE(std::filesystem::exists(folder.file("no")));
+  const std::string file = folder.file("room.map");
+  writeMap(file, exampleMap());
+  const std::string whole = contentOf(file);
+  EXPECT_THROW(writeMap(file, SavedMap()), std::runtime_error) << "no keyframe";
+  std::filesystem::create_directory(file + ".part");  // where it is made first
+  EXPECT_THROW(writeMap(file, exampleMap()), std::runtime_error);
+  EXPECT_EQ(contentOf(file), whole);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -151,9 +153,18 @@ TEST(EarlierMap, AResetBeginsInItAgain) {
   Odometry odometry(options(), 0);
   odometry.beginIn(movedBeforeAnyRun());
   ASSERT_FALSE(runOver(odometry, 40, 20).empty());
+  const std::vector<TrajectoryEntry> before = odometry.trajectory();
   odometry.reset();
   const std::vector<Place> places = runOver(odometry, 60, 20);
   ASSERT_FALSE(places.empty());
+  const std::vector<TrajectoryEntry> all = odometry.trajectory();
+  ASSERT_GT(all.size(), before.size());
+  for (std::size_t i = 0; i < before.size(); ++i) {  // maps come one after the other
+    EXPECT_EQ(all[i].frame_sequence, before[i].frame_sequence);
+    EXPECT_EQ(all[i].map_id, before[i].map_id);
+    EXPECT_LT((all[i].trajectory.T_reference_mid.inverse() * before[i].trajectory.T_reference_mid).log().norm(), 1e-3);
+  }
+  EXPECT_NE(all.back().map_id, before.back().map_id);
   EXPECT_LE(places.front().frame, 60 + kMostUntilFound);
   EXPECT_LT(errorOf(places, alignmentOf(firstRun().places)), 0.004);
 }
@@ -164,6 +175,7 @@ struct RunInABentMap {
   std::vector<Eigen::Vector3d> in_map;  // the camera, of each frame with a pose
   std::vector<SE3> T_odom_camera;
   int moves = 0;
+  std::optional<SavedMap> saved;
 
   RunInABentMap(const SE3& off, bool close_loops) {
     auto map = std::make_shared<SavedMap>(*movedBeforeAnyRun());
@@ -188,6 +200,7 @@ struct RunInABentMap {
       }
       for (const MapperOutput& output : result.mapping) moves += output.message.find(kMoved) == 0 ? 1 : 0;
     }
+    saved = odometry.mapper().savedMap();
   }
 };
 
@@ -204,11 +217,64 @@ TEST(EarlierMap, LoopsWithItMoveTheMapAndNotTheOdometry) {
     EXPECT_EQ(with.T_odom_camera[i].log(), without.T_odom_camera[i].log());
   }
   EXPECT_EQ(with.in_map.front(), without.in_map.front());
+  ASSERT_EQ(with.saved->keyframes.size(), without.saved->keyframes.size());
+  double most = 0.0;
+  for (std::size_t k = 0; k < with.saved->keyframes.size(); ++k) {
+    most = std::max(most, (with.saved->keyframes[k].reference.T_map_reference.translation() -
+                           without.saved->keyframes[k].reference.T_map_reference.translation())
+                              .norm());
+  }
+  EXPECT_GT(most, 0.3 * off.translation().x()) << "what is saved has the loops";
   EXPECT_GT(furthest, 0.3 * off.translation().x()) << "towards where the map has what is seen";
   EXPECT_LT(furthest, 1.2 * off.translation().x());
 }
 
-TEST(EarlierMap, ALoopThatWasFoundIsInWhatIsSaved) {
+TEST(EarlierMap, AnotherOneTakesItsPlace) {
+  auto other = std::make_shared<SavedMap>(*movedBeforeAnyRun());
+  other->keyframes.erase(other->keyframes.begin() + 3, other->keyframes.end());
+  Odometry odometry(options(), 0);
+  odometry.beginIn(movedBeforeAnyRun());
+  ASSERT_FALSE(runOver(odometry, 40, 20).empty());
+  odometry.beginIn(other);
+  runOver(odometry, 60, 1);
+  EXPECT_EQ(odometry.mapper().savedMap().value().keyframes.size(), 3U);
+}
+
+TEST(EarlierMap, WithoutKeyframesIsRefused) {
+  Mapper mapper(options().mapper);
+  EXPECT_THROW(mapper.beginIn(SavedMap()), std::invalid_argument);
+}
+
+TEST(EarlierMap, ImagesOfAnotherSizeAreToldAndBeginAMapOfTheirOwn) {
+  for (const bool localize_only : {false, true}) {
+    Mapper mapper(options(localize_only).mapper);
+    mapper.beginIn(*movedBeforeAnyRun());
+    auto frame = std::make_shared<Frame>(*walk().frames.at(40));
+    const ImageLevel& whole = frame->pyramid.level(0);
+    PinholeCamera camera = whole.camera;
+    camera.width = 300;
+    camera.height = 200;
+    frame->pyramid = ImagePyramid(whole.intensity(cv::Rect(0, 0, 300, 200)).clone(), camera, 4);
+    auto tracked = std::make_shared<TrackedFrame>();
+    tracked->frame = frame;
+    const MapperOutput output = mapper.process(tracked);
+    EXPECT_NE(output.message.find("images of 376x240 pixels, these have 300x200"), std::string::npos) << output.message;
+    EXPECT_EQ(output.is_news, !localize_only);
+    EXPECT_EQ(mapper.savedMap().has_value(), localize_only);
+  }
+}
+
+TEST(EarlierMap, KeepsItsUnitOfLength) {
+  std::vector<Sim3> poses;
+  for (int i = 0; i < 3; ++i)
+    poses.emplace_back(SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(1.0 + i, 0, 0)), 2.0);
+  keepUnit(poses);
+  EXPECT_DOUBLE_EQ(poses.front().scale(), 1.0);
+  EXPECT_DOUBLE_EQ(poses.front().translation().x(), 1.0);
+  EXPECT_DOUBLE_EQ(poses.back().translation().x(), 2.0);
+}
+
+TEST(EarlierMap, WhereAKeyframeIsPlacedAllThatIsRelativeToItGrows) {
   SavedMap map = *firstRun().map;
   ArchivedKeyframe& keyframe = map.keyframes.front();
   const Reference before = keyframe.reference;

@@ -26,6 +26,7 @@ struct MapperOutput {
   std::optional<KeyframeReport> keyframe;       // set if one has been refined, or had to do with what there was
   std::optional<SharpKeyframe> sharp_keyframe;  // set if one has been deblurred
   std::string message;                          // what happened, for the log and the status; may be empty
+  bool is_news = false;                         // the message is to be told at once
 };
 
 /// Takes every TrackedFrame, initialises the map, refines depths, inserts keyframes, optimises the window and owns the
@@ -59,12 +60,14 @@ class Mapper {
   /// The current snapshot, null before initialisation: for a tracker that was restarted.
   ReferenceConstPtr currentReference() const;
 
-  /// The map as it is now, its poses corrected by the loops that are known; nullopt if there is none.
+  /// The map as it is now, its poses corrected by loops, for which it waits as smoothedTrajectory() does; nullopt if
+  /// there is none. A map that was loaded keeps its unit of length.
   std::optional<SavedMap> savedMap() const;
-  /// Begins anew in a map of an earlier run, whose keyframes lie before this one (moveBeforeAnyRun) and are at least
-  /// one. The camera is looked for in it, and the map goes on from there in its frame and unit of length. Where the
-  /// camera is not found for ten seconds, another map begins; not so with MapperConfig::localize_only. reset() begins
-  /// in it again.
+  /// Begins anew in a map of an earlier run, whose keyframes lie before this one (moveBeforeAnyRun). The camera is
+  /// looked for in it, and the map goes on from there in its frame and unit of length, with a map id of its own each
+  /// time. Where the camera is not found for ten seconds, or what is found there turns out wrong at once, another map
+  /// begins; not so with MapperConfig::localize_only. reset() begins in it again. Throws std::invalid_argument if the
+  /// map has no keyframe.
   void beginIn(const SavedMap& map);
 
   /// Forgets the map; the trajectory store keeps the poses found so far, with all that had been put off. The next map

@@ -19,6 +19,8 @@ class Recovery {
 
   /// Takes a frame that the tracker lost.
   void lose(const TrackedFrame& frame);
+  /// A frame in which a camera that is lost cannot be looked for: its time does not count.
+  void passOver(const TrackedFrame& frame);
   /// It is time to look for it: lost for long enough, and nothing is on its way to the tracker.
   bool isDue(const TrackedFrame& frame) const;
   /// Among the keyframes kept. `usual_error`: of frames in this map [px].

@@ -22,12 +22,16 @@ struct SavedMap {
 };
 
 /// Keyframes of a run that is over lie before any frame of the next one, whose clock may begin anew: the newest gets
-/// this time of mid-exposure, the others stay as far from it as they were. Stamps stay.
+/// this time of mid-exposure, each of the others stays as long before the next as it was, but for a minute at most:
+/// runs lie years apart. Stamps stay.
 inline constexpr std::int64_t kBeforeAnyRun = -3600'000'000'000;  // [ns]
 void moveBeforeAnyRun(SavedMap& map);
 
 /// Where a keyframe is by what was found out later, and how large what is relative to it: its depths and its motion.
 void place(ArchivedKeyframe& keyframe, const Sim3& S_map_keyframe);
+
+/// All S_map_keyframe in such a unit of length that the first one's own is the map's, about where that is.
+void keepUnit(std::vector<Sim3>& poses);
 
 /// At most so many of its points, evenly chosen, for display. A point that several keyframes see comes several times.
 std::vector<MapPoint> displayPoints(const SavedMap& saved, MapId map, std::size_t most);

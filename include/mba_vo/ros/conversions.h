@@ -13,7 +13,6 @@
 
 namespace mba_vo {
 
-/// Before 0, where no time of ROS can be, lie only keyframes of earlier runs: 0.
 ros::Time toRosTime(std::int64_t nanoseconds);
 std::int64_t toNanoseconds(const ros::Time& time);
 

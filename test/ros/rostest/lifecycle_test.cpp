@@ -279,6 +279,12 @@ TEST(Lifecycle, AMapIsSavedAndUsedAgain) {
     ASSERT_TRUE(loaded.success) << loaded.message;
     robot.see(kUntilMap + 2, kUntilMap + 14);
     EXPECT_TRUE(robot.becomesTracking());
+    const auto tells = [](const Outputs& o) {
+      return std::any_of(o.mapper_status.begin(), o.mapper_status.end(), [](const auto& status) {
+        return status->message.find("found in the map that was loaded") != std::string::npos;
+      });
+    };
+    EXPECT_TRUE(robot.odometry->waitFor(tells, kTimeout));
   }
   ros::param::set("/returner/map_file", file);
   Robot robot("returner");
