@@ -49,7 +49,7 @@ mba_vo_rostest(play_bag TIMEOUT 520 SOURCES ${ros_test_folder}/demo_sequence.cpp
 mba_vo_rostest(deblurring TIMEOUT 320 SOURCES ${ros_test_folder}/demo_sequence.cpp DEPENDS mba_vo_evaluation
   ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
 mba_vo_rostest(lifecycle TIMEOUT 520 SOURCES ${ros_test_folder}/demo_sequence.cpp ${ros_test_folder}/sequence_camera.cpp
-  DEPENDS mba_vo_evaluation ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
+  ${ros_test_folder}/saved_map_test.cpp DEPENDS mba_vo_evaluation ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
 mba_vo_rostest(views TIMEOUT 320 SOURCES ${ros_test_folder}/demo_sequence.cpp ${ros_test_folder}/sequence_camera.cpp
   DEPENDS mba_vo_evaluation ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
 set_tests_properties(mba_vo_rostest_deblurring mba_vo_rostest_lifecycle mba_vo_rostest_views PROPERTIES
