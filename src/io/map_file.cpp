@@ -121,7 +121,7 @@ std::string payloadOf(std::istream& in) {
     throw std::runtime_error("is of version " + std::to_string(head.version) + ", this program knows 1 to " +
                              std::to_string(kMapVersion));
   }
-  const std::string payload = all.substr(kMagic.size() + static_cast<std::size_t>(stream.tellg()));
+  std::string payload = all.substr(kMagic.size() + static_cast<std::size_t>(stream.tellg()));
   if (payload.size() < head.bytes) {
     throw std::runtime_error("is cut off: " + std::to_string(payload.size()) + " of " + std::to_string(head.bytes) +
                              " bytes");

@@ -13,9 +13,9 @@
 
 namespace Eigen {
 
-template <class Archive, typename Scalar, int kRows>
-void serialize(Archive& archive, Matrix<Scalar, kRows, 1>& vector) {
-  for (int i = 0; i < kRows; ++i) archive(vector(i));
+template <class Archive, typename Scalar, int Rows>
+void serialize(Archive& archive, Matrix<Scalar, Rows, 1>& vector) {
+  for (int i = 0; i < Rows; ++i) archive(vector(i));
 }
 
 }  // namespace Eigen
@@ -24,7 +24,7 @@ namespace mba_vo {
 
 template <class Archive>
 void save(Archive& archive, const SE3& T) {
-  const Eigen::Quaterniond q = T.rotation();
+  const Eigen::Quaterniond& q = T.rotation();
   archive(q.w(), q.x(), q.y(), q.z(), T.translation().x(), T.translation().y(), T.translation().z());
 }
 

@@ -27,9 +27,8 @@ struct ArchivedKeyframe {
 
   ArchivedKeyframe(const Reference& of, const Frame& frame);
   /// As it was written down. The rest is as in the members.
-  ArchivedKeyframe(Reference without_pyramid, std::uint64_t frame_sequence, std::int64_t stamp_ns,
-                   const PinholeCamera& camera, int levels, const cv::Mat1b& image,
-                   std::optional<double> image_exposure);
+  ArchivedKeyframe(Reference without_pyramid, std::uint64_t sequence, std::int64_t stamp, const PinholeCamera& of_image,
+                   int pyramid_levels, const cv::Mat1b& shown, std::optional<double> exposure);
   /// What is known by now of points, pose and camera; its image is what it was.
   void update(const Reference& newer);
   /// The frame, its pyramid made anew.
