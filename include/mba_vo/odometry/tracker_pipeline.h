@@ -12,9 +12,9 @@
 #include "mba_vo/odometry/bounded_queue.h"
 #include "mba_vo/odometry/catch_up_pace.h"
 #include "mba_vo/odometry/image_intake.h"
-#include "mba_vo/trajectory/odometry_covariance.h"
 #include "mba_vo/odometry/pipeline_messages.h"
 #include "mba_vo/odometry/tracking_loop.h"
+#include "mba_vo/trajectory/odometry_covariance.h"
 
 namespace mba_vo {
 

@@ -7,9 +7,9 @@
 #include <nav_msgs/Odometry.h>
 #include <boost/array.hpp>
 
-#include "mba_vo/trajectory/odometry_covariance.h"
 #include "mba_vo/ros/node_config.h"
 #include "mba_vo/tracking/tracked_frame.h"
+#include "mba_vo/trajectory/odometry_covariance.h"
 
 namespace mba_vo {
 
