@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include "mba_vo/mapping/mapper.h"
 #include "support/rendered_sequence.h"
@@ -41,6 +42,15 @@ inline FrameConstPtr shifted(const FrameConstPtr& frame, double seconds) {
   copy->sequence += 1000;
   copy->mid_exposure_ns += std::llround(1e9 * seconds);
   copy->stamp_ns = copy->mid_exposure_ns;
+  return copy;
+}
+
+/// The same time and another place: an image that no keyframe looks like.
+inline FrameConstPtr elsewhere(const FrameConstPtr& frame) {
+  auto copy = std::make_shared<Frame>(*frame);
+  cv::Mat1f mirrored;
+  cv::flip(frame->pyramid.level(0).intensity, mirrored, -1);
+  copy->pyramid = ImagePyramid(mirrored, frame->pyramid.level(0).camera, frame->pyramid.levels());
   return copy;
 }
 

@@ -13,15 +13,6 @@
 namespace mba_vo::test {
 namespace {
 
-/// The same time and another place: an image that no keyframe looks like.
-FrameConstPtr elsewhere(const FrameConstPtr& frame) {
-  auto copy = std::make_shared<Frame>(*frame);
-  cv::Mat1f mirrored;
-  cv::flip(frame->pyramid.level(0).intensity, mirrored, -1);
-  copy->pyramid = ImagePyramid(mirrored, frame->pyramid.level(0).camera, frame->pyramid.levels());
-  return copy;
-}
-
 /// Reports frames as lost, or as waiting for a map once the tracker has given up, every 40 ms for so long.
 std::string loseFor(Mapper& mapper, double seconds, double tracker_gives_up_after, bool blind = false) {
   std::string messages;

@@ -4,41 +4,10 @@
 #include "mba_vo/odometry/config_yaml.h"
 #include "mba_vo/odometry/odometry.h"
 #include "odometry/outcome.h"
-#include "support/rendered_sequence.h"
+#include "odometry/walk.h"
 
 namespace mba_vo {
 namespace {
-
-constexpr double kExposure = 0.03;  // [s] of 37 ms between frames
-constexpr int kFrames = 120;        // there; then all back again
-
-/// A walk, and the same walk backwards: a blurred image looks the same either way.
-struct ThereAndBack {
-  std::vector<FrameConstPtr> frames;
-  std::vector<SE3> truth;  // T_world_camera of each
-
-  ThereAndBack() {
-    SimulationConfig config = test::sequenceConfig(kExposure);
-    config.trajectory_seed = 3;
-    config.path_length = 2.5;
-    const test::RenderedSequence rendered = test::renderFrames(config, 0, kFrames);
-    const std::vector<FrameConstPtr> there = test::toFrames(rendered, false, kExposure);
-    const std::int64_t interval_ns = there[1]->mid_exposure_ns - there[0]->mid_exposure_ns;
-    for (int i = 0; i < 2 * kFrames - 1; ++i) {
-      const auto at = static_cast<std::size_t>(i < kFrames ? i : 2 * kFrames - 2 - i);
-      auto frame = std::make_shared<Frame>(*there[at]);
-      frame->sequence = static_cast<std::uint64_t>(i);
-      frame->stamp_ns = frame->mid_exposure_ns = there[0]->mid_exposure_ns + i * interval_ns;
-      frames.push_back(frame);
-      truth.push_back(rendered.frames[at].T_world_mid);
-    }
-  }
-};
-
-const ThereAndBack& walk() {
-  static const ThereAndBack walk;
-  return walk;
-}
 
 struct LoopRun {
   std::vector<test::Outcome> outcomes;  // of each frame, when it was tracked
@@ -52,7 +21,7 @@ LoopRun runOver(bool close_loops) {
   finalize(options);
   Odometry odometry(options, 0);
   LoopRun run;
-  for (const FrameConstPtr& frame : walk().frames) {
+  for (const FrameConstPtr& frame : test::walkThereAndBack().frames) {
     const OdometryResult result = odometry.process(frame);
     for (const PublishedImage& image : result.images) {
       run.outcomes.push_back(test::outcomeOf(*image.step.message.tracked, image.step.T_odom_camera));
@@ -68,7 +37,7 @@ double errorOf(const std::vector<TrajectoryEntry>& entries) {
   std::vector<Eigen::Vector3d> estimate, truth;
   for (const TrajectoryEntry& entry : entries) {
     estimate.push_back(entry.trajectory.T_reference_mid.translation());
-    truth.push_back(walk().truth.at(entry.frame_sequence).translation());
+    truth.push_back(test::walkThereAndBack().truth.at(entry.frame_sequence).translation());
   }
   const Similarity alignment = alignPositions(estimate, truth, AlignmentMode::kSim3);
   double sum = 0.0;

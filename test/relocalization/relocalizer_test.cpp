@@ -120,6 +120,26 @@ TEST(KeyframeArchive, RestoresTheImageToHalfAGreyLevel) {
   EXPECT_EQ(kept.restoreReference(restored)->points.size(), reference->points.size());
 }
 
+/// Its camera has the correction by then; what only its pixels could have of it, it still lacks.
+TEST(KeyframeArchive, RestoresTheImageWithTheCalibrationThatIsKnownByThen) {
+  const SimulatedFrame rendered = renderAt(placeOf(0), Vector6::Zero(), 0.0);
+  auto reference = test::makeReference(rendered, test::toFloat(rendered.sharp), 100);
+  ArchivedKeyframe kept(*reference, *frameOf(rendered, 0.0));
+  CalibrationCorrection known;
+  known.values(CalibrationCorrection::kFocal) = 0.01;
+  known.values(CalibrationCorrection::kV1) = -0.3;
+  const auto corrected = std::make_shared<ImagePyramid>(*reference->pyramid);
+  corrected->correctCamera(pinholePart(known, corrected->level(0).camera));
+  reference->pyramid = corrected;
+  reference->correction = known;
+  kept.update(*reference);
+  const FrameConstPtr restored = kept.restoreFrame();
+  EXPECT_EQ(restored->pyramid.level(0).camera.fx, corrected->level(0).camera.fx);
+  const CalibrationCorrection lacking = restored->correction.lacks(known);
+  EXPECT_NEAR(lacking[CalibrationCorrection::kFocal], 0.0, 1e-12);
+  EXPECT_NEAR(lacking[CalibrationCorrection::kV1], -0.3, 1e-12);
+}
+
 /// A window that begins with it anew would else blur it once more.
 TEST(KeyframeArchive, ADeblurredImageIsRestoredAsOneWithoutExposure) {
   const SimulatedFrame rendered = renderAt(placeOf(0), Vector6::Zero(), 0.0);
