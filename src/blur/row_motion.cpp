@@ -15,6 +15,12 @@ Eigen::Matrix4d twistMatrix(const Vector6& twist) {
 
 }  // namespace
 
+RigidMotion RigidMotion::operator*(const RigidMotion& o) const { return {R.lazyProduct(o.R), R.lazyProduct(o.p) + p}; }
+
+Eigen::Vector3d RigidMotion::operator*(const Eigen::Vector3d& x) const { return R.lazyProduct(x) + p; }
+
+RigidMotion RigidMotion::inverse() const { return {R.transpose(), -R.transpose().lazyProduct(p)}; }
+
 RigidMotion shortMotion(const Vector6& xi) {
   const Eigen::Vector3d w = xi.tail<3>();
   const Eigen::Vector3d rho = xi.head<3>();
@@ -32,6 +38,8 @@ RigidMotion shortMotion(const Vector6& xi) {
   return motion;
 }
 
+RigidMotion shortMotion(const Vector6& velocity, double t) { return shortMotion(t * velocity); }
+
 MovingPose::MovingPose(const RigidMotion& T, const BodyMotion& motion) {
   const Eigen::Matrix4d V = twistMatrix(motion.velocity);
   const Eigen::Matrix4d A = twistMatrix(motion.acceleration);
@@ -41,6 +49,11 @@ MovingPose::MovingPose(const RigidMotion& T, const BodyMotion& motion) {
   c_[1] = T.R * V.topRows<3>();
   c_[2] = T.R * second.topRows<3>();
   c_[3] = T.R * third.topRows<3>();
+}
+
+RigidMotion MovingPose::at(double t) const {
+  const Coefficient pose = c_[0] + t * (c_[1] + t * (c_[2] + t * c_[3]));
+  return {pose.leftCols<3>(), pose.col(3)};
 }
 
 std::optional<RollingProjection> projectRolling(const PinholeCamera& camera, const BodyMotion& motion,

@@ -14,6 +14,24 @@ constexpr double kNothing = 1e-9;            // what rounding leaves of a correc
 
 }  // namespace
 
+bool CalibrationCorrection::operator==(const CalibrationCorrection& o) const { return values == o.values; }
+
+bool CalibrationCorrection::isZero() const { return values.isZero(0.0); }
+
+bool CalibrationCorrection::correctsLens() const { return !values.head<kRowTime>().isZero(0.0); }
+
+bool CalibrationCorrection::correctsVignette() const { return !vignette().isZero(0.0); }
+
+CalibrationCorrection CalibrationCorrection::lacks(const CalibrationCorrection& wanted) const {
+  return {wanted.values - values};
+}
+
+Eigen::Vector2d CalibrationCorrection::apply(const Eigen::Vector2d& x) const {
+  const double r2 = x.squaredNorm();
+  return x * (1.0 + values(kFocal) + r2 * (values(kK1) + r2 * values(kK2))) +
+         Eigen::Vector2d(values(kCentreX), values(kCentreY));
+}
+
 bool isNoticeable(const CalibrationCorrection& correction, const PinholeCamera& camera) {
   const Eigen::Vector2d shift = lensJacobian(camera, Eigen::Vector2d::Zero()) * correction.values;
   const double in_corner = correction.vignette().sum();

@@ -82,6 +82,9 @@ Eigen::Matrix3d hat(const Eigen::Vector3d& a) {
   return m;
 }
 
+SE3::SE3(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation)
+    : rotation_(rotation.normalized()), translation_(translation) {}
+
 SE3 SE3::exp(const Vector6& xi) {
   const Eigen::Vector3d phi = xi.tail<3>();
   return SE3(expSO3(phi), leftJacobianSO3(phi) * xi.head<3>());
@@ -102,6 +105,8 @@ SE3 SE3::inverse() const {
 SE3 SE3::operator*(const SE3& other) const {
   return SE3(rotation_ * other.rotation_, rotation_ * other.translation_ + translation_);
 }
+
+Eigen::Vector3d SE3::operator*(const Eigen::Vector3d& point) const { return rotation_ * point + translation_; }
 
 Matrix6 SE3::adjoint() const {
   const Eigen::Matrix3d r = rotationMatrix();

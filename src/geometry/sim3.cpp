@@ -32,4 +32,8 @@ Sim3 Sim3::operator*(const Sim3& other) const {
   return Sim3(SE3(rotation() * other.rotation(), *this * other.translation()), scale_ * other.scale_);
 }
 
+Eigen::Vector3d Sim3::operator*(const Eigen::Vector3d& point) const {
+  return scale_ * (T_.rotation() * point) + T_.translation();
+}
+
 }  // namespace mba_vo

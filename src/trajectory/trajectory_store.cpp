@@ -24,6 +24,11 @@ TrajectoryStore::StoredFrame& TrajectoryStore::entryOf(std::uint64_t sequence) {
   return *frames_.insert(place, frame);
 }
 
+TrajectoryStore::StoredPose::StoredPose(const SE3& T)
+    : rotation(T.rotation().cast<float>()), translation(T.translation().cast<float>()) {}
+
+SE3 TrajectoryStore::StoredPose::pose() const { return {rotation.cast<double>(), translation.cast<double>()}; }
+
 void TrajectoryStore::addFrame(const TrackedFrame& tracked) {
   const Frame& frame = *tracked.frame;
   StoredFrame& stored = entryOf(frame.sequence);

@@ -47,6 +47,10 @@ void MarginalizationPrior::moveLinearizationPoint(int keyframe, const Vector8& s
   b_ += H_step;
 }
 
+double MarginalizationPrior::cost(const Eigen::VectorXd& d) const {
+  return d.dot(H_ * d) + 2.0 * b_.dot(d) + constant_;
+}
+
 void MarginalizationPrior::addTo(const Eigen::VectorXd& d, Eigen::MatrixXd& H, Eigen::VectorXd& b) const {
   H += H_;
   b += b_ + H_ * d;

@@ -20,25 +20,22 @@ struct RigidMotion {
       : R(std::move(rotation)), p(std::move(translation)) {}
   explicit RigidMotion(const SE3& T) : R(T.rotationMatrix()), p(T.translation()) {}
 
-  RigidMotion operator*(const RigidMotion& o) const { return {R.lazyProduct(o.R), R.lazyProduct(o.p) + p}; }
-  Eigen::Vector3d operator*(const Eigen::Vector3d& x) const { return R.lazyProduct(x) + p; }
-  RigidMotion inverse() const { return {R.transpose(), -R.transpose().lazyProduct(p)}; }
+  RigidMotion operator*(const RigidMotion& o) const;
+  Eigen::Vector3d operator*(const Eigen::Vector3d& x) const;
+  RigidMotion inverse() const;
 };
 
 /// Exp(xi) of the short motions between the rows of a rolling shutter: exact to the fourth order in the angle.
 RigidMotion shortMotion(const Vector6& xi);
 /// Exp(t v), t [s].
-inline RigidMotion shortMotion(const Vector6& velocity, double t) { return shortMotion(t * velocity); }
+RigidMotion shortMotion(const Vector6& velocity, double t);
 
 /// T Exp(t v + t^2/2 a) for many short times t: a cubic in t.
 class MovingPose {
  public:
   MovingPose() : MovingPose(RigidMotion(), BodyMotion()) {}
   MovingPose(const RigidMotion& T, const BodyMotion& motion);
-  RigidMotion at(double t) const {
-    const Coefficient pose = c_[0] + t * (c_[1] + t * (c_[2] + t * c_[3]));
-    return {pose.leftCols<3>(), pose.col(3)};
-  }
+  RigidMotion at(double t) const;
 
  private:
   using Coefficient = Eigen::Matrix<double, 3, 4>;

@@ -10,7 +10,7 @@ struct BodyMotion {
   Vector6 acceleration = Vector6::Zero();  // [m/s^2, rad/s^2]
 
   /// Log(T^-1 T(t)), t [s].
-  Vector6 until(double t) const { return t * velocity + 0.5 * t * t * acceleration; }
+  Vector6 until(double t) const;
 };
 
 }  // namespace mba_vo

@@ -23,22 +23,18 @@ struct CalibrationCorrection {
   Vector values = Vector::Zero();  // [1, focal lengths, focal lengths, 1, 1, s, 1, 1, 1], in the order of Index
 
   double operator[](Index i) const { return values(i); }
-  bool operator==(const CalibrationCorrection& o) const { return values == o.values; }
-  bool operator!=(const CalibrationCorrection& o) const { return values != o.values; }
-  bool isZero() const { return values.isZero(0.0); }
+  bool operator==(const CalibrationCorrection& o) const;
+  bool operator!=(const CalibrationCorrection& o) const { return !(*this == o); }
+  bool isZero() const;
   /// True if pixels are moved.
-  bool correctsLens() const { return !values.head<kRowTime>().isZero(0.0); }
-  bool correctsVignette() const { return !vignette().isZero(0.0); }
+  bool correctsLens() const;
+  bool correctsVignette() const;
   Vignette vignette() const { return values.tail<kVignetteDim>(); }
 
   /// What is to be added to it to have `wanted`.
-  CalibrationCorrection lacks(const CalibrationCorrection& wanted) const { return {wanted.values - values}; }
+  CalibrationCorrection lacks(const CalibrationCorrection& wanted) const;
 
-  Eigen::Vector2d apply(const Eigen::Vector2d& x) const {
-    const double r2 = x.squaredNorm();
-    return x * (1.0 + values(kFocal) + r2 * (values(kK1) + r2 * values(kK2))) +
-           Eigen::Vector2d(values(kCentreX), values(kCentreY));
-  }
+  Eigen::Vector2d apply(const Eigen::Vector2d& x) const;
 };
 
 /// What a pinhole camera can have of a correction: centre, row time, and the focal length that comes nearest to it with

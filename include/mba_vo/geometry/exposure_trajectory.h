@@ -21,12 +21,10 @@ struct ExposureTrajectory {
   SE3 start() const { return at(-0.5 * exposure); }
   SE3 end() const { return at(0.5 * exposure); }
   /// Motion over the whole exposure, Log(T_start^-1 T_end), exact without acceleration [m, rad].
-  Vector6 xi() const { return exposure * velocity; }
+  Vector6 xi() const;
   /// The same motion through an exposure that begins and ends `delay` [s] later, as that of another row of a rolling
   /// shutter. Neglected: that velocity and acceleration do not commute, an error of the third order in time.
-  ExposureTrajectory delayed(double delay) const {
-    return {at(delay), velocity + delay * acceleration, exposure, acceleration};
-  }
+  ExposureTrajectory delayed(double delay) const;
 
   static ExposureTrajectory fromStartAndEnd(const SE3& start, const SE3& end, double exposure);
 };

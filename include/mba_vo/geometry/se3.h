@@ -16,8 +16,7 @@ Eigen::Matrix3d hat(const Eigen::Vector3d& a);
 class SE3 {
  public:
   SE3() : rotation_(Eigen::Quaterniond::Identity()), translation_(Eigen::Vector3d::Zero()) {}
-  SE3(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation)
-      : rotation_(rotation.normalized()), translation_(translation) {}
+  SE3(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation);
 
   static SE3 exp(const Vector6& xi);
   Vector6 log() const;
@@ -28,7 +27,7 @@ class SE3 {
 
   SE3 inverse() const;
   SE3 operator*(const SE3& other) const;
-  Eigen::Vector3d operator*(const Eigen::Vector3d& point) const { return rotation_ * point + translation_; }
+  Eigen::Vector3d operator*(const Eigen::Vector3d& point) const;
 
   /// Ad with T Exp(x) T^-1 = Exp(Ad x).
   Matrix6 adjoint() const;

@@ -31,9 +31,7 @@ class Sim3 {
 
   Sim3 inverse() const;
   Sim3 operator*(const Sim3& other) const;
-  Eigen::Vector3d operator*(const Eigen::Vector3d& point) const {
-    return scale_ * (T_.rotation() * point) + T_.translation();
-  }
+  Eigen::Vector3d operator*(const Eigen::Vector3d& point) const;
 
  private:
   SE3 T_;

@@ -57,9 +57,8 @@ class TrajectoryStore {
     Eigen::Vector3f translation = Eigen::Vector3f::Zero();  // [m]
 
     StoredPose() = default;
-    explicit StoredPose(const SE3& T)
-        : rotation(T.rotation().cast<float>()), translation(T.translation().cast<float>()) {}
-    SE3 pose() const { return {rotation.cast<double>(), translation.cast<double>()}; }
+    explicit StoredPose(const SE3& T);
+    SE3 pose() const;
   };
   struct StoredFrame {
     std::uint64_t sequence = 0;

@@ -32,7 +32,7 @@ class MarginalizationPrior {
   /// The linearisation point of an unconnected keyframe moves by `step`; the cost as a function of the state stays.
   void moveLinearizationPoint(int keyframe, const Vector8& step);
 
-  double cost(const Eigen::VectorXd& d) const { return d.dot(H_ * d) + 2.0 * b_.dot(d) + constant_; }
+  double cost(const Eigen::VectorXd& d) const;
   /// Adds Hessian and half the gradient at `d`.
   void addTo(const Eigen::VectorXd& d, Eigen::MatrixXd& H, Eigen::VectorXd& b) const;
 
