@@ -69,7 +69,7 @@ function(mba_vo_test target)
   # GCC 12 warns falsely about inlined Eigen vectors of one element.
   target_compile_options(${target} PRIVATE -Wno-array-bounds)
   target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/test)
-  target_link_libraries(${target} PRIVATE ${ARG_DEPENDS} GTest::gtest GTest::gtest_main)
+  target_link_libraries(${target} PRIVATE ${ARG_DEPENDS} GTest::gmock GTest::gtest GTest::gtest_main)
   target_compile_definitions(${target} PRIVATE MBA_VO_SOURCE_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
   if(MBA_VO_SANITIZE)  # what tests share, rendered rooms above all, is made but once
     add_test(NAME ${target} COMMAND ${target})
