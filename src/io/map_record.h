@@ -9,7 +9,7 @@
 #include <cereal/types/optional.hpp>
 #include <cereal/types/vector.hpp>
 
-#include "mba_vo/mapping/saved_map.h"
+#include "mba_vo/relocalization/saved_map.h"
 
 namespace Eigen {
 

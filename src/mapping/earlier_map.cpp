@@ -25,6 +25,7 @@ void Mapper::Impl::beginIn(const SavedMap& map) {
 
 /// There is no window: the camera is looked for in what is known of the map.
 void Mapper::Impl::lookInEarlierMap() {
+  change(MappingEvent::kMapLoaded);
   for (const ArchivedKeyframe& keyframe : earlier_->keyframes) recovery_.archive().add(keyframe);
 }
 
@@ -57,6 +58,7 @@ MapperOutput Mapper::Impl::notFoundInEarlierMap(const std::string& reason) {
   output.message = reason + (config_.localize_only ? ": it is looked for on" : ": a new map begins");
   if (config_.localize_only) return output;
   output.is_news = true;
+  change(MappingEvent::kNotFound);
   earlier_.reset();
   recovery_.reset();
   return output;

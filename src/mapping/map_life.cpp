@@ -16,7 +16,7 @@ MapperOutput Mapper::Impl::findMap(const TrackedFrame& frame, bool has_time) {
     recovery_.passOver(frame);
     return {};
   }
-  return earlier_ ? locate(frame) : initialize(frame.frame);
+  return phase_ == MappingPhase::kLocating ? locate(frame) : initialize(frame.frame);
 }
 
 /// Frames that were tracked late come once more.
@@ -41,6 +41,7 @@ MapperOutput Mapper::Impl::initialize(const FrameConstPtr& frame) {
   if (config_.refine_calibration) calibration_->add(linearizeInitialVignette(*initial, calibration_->correction()));
   map_ =
       std::make_unique<LocalMap>(config_, next_map_id_++, *initial, motion, LocalMap::Place(), store_, *calibration_);
+  change(MappingEvent::kMapBegins);
   output.message = "map " + std::to_string(map_->id()) + " initialised with " + std::to_string(initial->points.size()) +
                    (initial->metric ? " measured points" : " points");
   output.keyframe = begin(std::move(initial), motion);
@@ -136,7 +137,8 @@ MapperOutput Mapper::Impl::handleLost(const TrackedFrame& frame, bool has_time) 
     insertKeyframe(chosen, output);
     return output;
   }
-  if (refining_) refineNoFurther(output);
+  if (phase_ == MappingPhase::kRefining) refineNoFurther(output);
+  change(MappingEvent::kFrameLost);
   recovery_.lose(frame);
   // What was found for a frame of the past, or with a keyframe on its way, would come when the tracker is elsewhere.
   const bool knows_newest =
@@ -158,7 +160,7 @@ MapperOutput Mapper::Impl::handleLost(const TrackedFrame& frame, bool has_time) 
 }
 
 MapperOutput Mapper::Impl::goOnFrom(const Relocalizer::Found& found, MapperOutput output) {
-  const bool begins = !map_;
+  const bool begins = phase_ == MappingPhase::kLocating;
   const bool departed = begins || !map_->has(found.keyframe);
   if (departed) {
     if (!begins) loops_.close(*map_);
@@ -166,6 +168,7 @@ MapperOutput Mapper::Impl::goOnFrom(const Relocalizer::Found& found, MapperOutpu
     if (begins) calibration_before_map_ = *calibration_;
     map_ = recovery_.windowAt(found, begins ? identityOfEarlierMap() : map_->identity(), store_, *calibration_);
   }
+  change(begins ? MappingEvent::kMapBegins : MappingEvent::kFoundAgain);
   const KeyframeId keyframe = departed ? map_->newestKeyframe() : found.keyframe;
   const auto cause = begins ? ReferenceCause::kMapBegins : ReferenceCause::kFoundAgain;
   const std::shared_ptr<Reference> reference = snapshot(cause, keyframe, health_.doubt());
@@ -223,6 +226,7 @@ void Mapper::Impl::abandonMap() {
 }
 
 void Mapper::Impl::forgetMap() {
+  change(MappingEvent::kMapClosed);
   refining_.reset();
   map_.reset();
   reference_.reset();

@@ -19,14 +19,17 @@ Mapper::Impl::Impl(const MapperConfig& config, std::shared_ptr<const Deblurrer> 
 
 MapperOutput Mapper::Impl::process(const TrackedFrameConstPtr& frame, bool has_time) {
   // The tracker may know a map of a mapper that was there before this one.
-  if (!map_) next_map_id_ = std::max(next_map_id_, frame->reference.map_id + 1);
-  if (!map_) return findMap(*frame, has_time);
+  if (!map_) {
+    next_map_id_ = std::max(next_map_id_, frame->reference.map_id + 1);
+    return findMap(*frame, has_time);
+  }
   if (frame->frame->mid_exposure_ns <= last_.mid_exposure_ns) return revise(frame);
   // A tracker that was lost for so long that it gave up its reference reports INITIALIZING.
-  if (frame->status == TrackingStatus::kLost || (recovery_.isLost() && !frame->tracked()))
-    return handleLost(*frame, has_time);
+  const bool was_lost = phase_ == MappingPhase::kLost;
+  if (frame->status == TrackingStatus::kLost || (was_lost && !frame->tracked())) return handleLost(*frame, has_time);
   if (!frame->tracked()) return frame->blind ? MapperOutput() : resend();
   if (frame->reference.map_id != map_->id()) return stale(*frame);
+  if (was_lost) change(MappingEvent::kFrameTracked);
   recovery_.find();
   frames_without_reference_ = 0;
   health_.addFrame(frame->pixel_error);
@@ -51,7 +54,7 @@ MapperOutput Mapper::Impl::revise(const TrackedFrameConstPtr& frame) {
 }
 
 void Mapper::Impl::takeSharpKeyframe(MapperOutput& output) {
-  if (refining_) return;  // the window is being worked on
+  if (phase_ == MappingPhase::kRefining) return;  // the window is being worked on
   const auto& sharp = output.sharp_keyframe = deblurring_.takeReady(*map_, recovery_.archive());
   if (!sharp || !sharp->in_map || sharp->keyframe_id != reference_->id.keyframe_id) return;
   reference_ = snapshot(ReferenceCause::kSharperImage, reference_->id.keyframe_id, health_.doubt());
@@ -65,11 +68,12 @@ TrackedFrameConstPtr Mapper::Impl::integrate(const TrackedFrameConstPtr& frame, 
   deferred_.add(frame);
   last_ = {frame->frame->sequence, frame->frame->mid_exposure_ns, frame->trajectory};
   last_keyframe_ = frame->reference.keyframe_id;
-  return selector_.add(frame, map_->T_map_camera(*frame), *reference_, refining_.has_value());
+  return selector_.add(frame, map_->T_map_camera(*frame), *reference_, phase_ == MappingPhase::kRefining);
 }
 
 void Mapper::Impl::insertKeyframe(const TrackedFrameConstPtr& chosen, MapperOutput& output) {
-  if (refining_) refineNoFurther(output);
+  if (phase_ == MappingPhase::kRefining) refineNoFurther(output);
+  change(MappingEvent::kKeyframe);
   refining_ = {chosen, map_->insertKeyframe(*chosen, selector_.motion())};
   output.inserted = true;
   output.residuals = refining_->report.activation_residuals;
@@ -78,16 +82,14 @@ void Mapper::Impl::insertKeyframe(const TrackedFrameConstPtr& chosen, MapperOutp
 
 MapperOutput Mapper::Impl::refine() {
   MapperOutput output;
-  if (!refining_) {
+  if (phase_ != MappingPhase::kRefining) {
     insertKeyframe(selector_.takeReady(), output);
     return output;
   }
   output.refinement = true;
   output.residuals = map_->residualCount();
   if (map_->refineWindow(refining_->report)) return output;
-  output.message = complete(refining_->report, refining_->chosen, true);
-  output.keyframe = std::move(refining_->report);
-  refining_.reset();
+  finishRefining(true, output);
   output.reference = reference_;
   if (!health_.isYoung()) initial_frames_.clear();
   return health_.isWrong() ? giveUp(std::move(output)) : output;
@@ -95,9 +97,14 @@ MapperOutput Mapper::Impl::refine() {
 
 void Mapper::Impl::refineNoFurther(MapperOutput& output) {
   map_->refineWindowNoFurther(refining_->report);
-  output.message = complete(refining_->report, refining_->chosen, false);
+  finishRefining(false, output);
+}
+
+void Mapper::Impl::finishRefining(bool refined, MapperOutput& output) {
+  output.message = complete(refining_->report, refining_->chosen, refined);
   output.keyframe = std::move(refining_->report);
   refining_.reset();
+  change(MappingEvent::kKeyframeRefined);
 }
 
 std::string Mapper::Impl::complete(KeyframeReport& report, const TrackedFrameConstPtr& chosen, bool refined) {
@@ -170,6 +177,7 @@ void Mapper::reset() { impl_->reset(); }
 void Mapper::abandonMap() { impl_->abandonMap(); }
 void Mapper::beginIn(const SavedMap& map) { impl_->beginIn(map); }
 std::optional<SavedMap> Mapper::savedMap() const { return impl_->savedMap(); }
+MappingPhase Mapper::phase() const { return impl_->phase(); }
 ReferenceConstPtr Mapper::currentReference() const { return impl_->currentReference(); }
 std::vector<TrajectoryEntry> Mapper::trajectory() const { return impl_->trajectory(); }
 std::optional<CalibrationCorrection> Mapper::correction() const { return impl_->correction(); }

@@ -8,8 +8,9 @@
 #include "mba_vo/mapping/deferred_tracking.h"
 #include "mba_vo/mapping/keyframe_selector.h"
 #include "mba_vo/mapping/mapper.h"
+#include "mba_vo/mapping/mapping_phase.h"
 #include "mba_vo/mapping/recovery.h"
-#include "mba_vo/mapping/saved_map.h"
+#include "mba_vo/relocalization/saved_map.h"
 
 namespace mba_vo {
 
@@ -20,7 +21,7 @@ class Mapper::Impl {
   Impl(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer);
 
   MapperOutput process(const TrackedFrameConstPtr& frame, bool has_time);
-  bool needsRefinement() const { return refining_ || (map_ && selector_.hasReady()); }
+  bool needsRefinement() const { return phase_ == MappingPhase::kRefining || selector_.hasReady(); }
   MapperOutput refine();
   void watchSharpKeyframes(bool watched) { deblurring_.setWatched(watched); }
   bool doDeferredWork() { return map_ && deferred_.doNext(*map_, store_); }
@@ -32,6 +33,7 @@ class Mapper::Impl {
   /// The present map, with keyframes where loops have put them; nullopt if none is kept.
   std::optional<SavedMap> mapAsCorrected(const TrajectoryStore::CorrectedKeyframes& corrected) const;
 
+  MappingPhase phase() const { return phase_; }
   ReferenceConstPtr currentReference() const { return reference_; }
   std::optional<CalibrationCorrection> correction() const {
     return calibration_ ? std::optional(calibration_->correction()) : std::nullopt;
@@ -45,6 +47,7 @@ class Mapper::Impl {
   LoopCounts loopCounts() const { return loops_.counts(); }
 
  private:
+  void change(MappingEvent event) { phase_ = nextPhase(mappingTable(), phase_, event); }
   /// A frame that is no newer than the last one was tracked again: its pose is better now, the map has it already.
   MapperOutput revise(const TrackedFrameConstPtr& frame);
   /// The tracker is given the sharp image if it is using the blurred one.
@@ -54,6 +57,7 @@ class Mapper::Impl {
   void insertKeyframe(const TrackedFrameConstPtr& chosen, MapperOutput& output);
   /// The keyframe that is being refined has to do with what there is.
   void refineNoFurther(MapperOutput& output);
+  void finishRefining(bool refined, MapperOutput& output);
   /// The window has been refined with its newest keyframe, made of `chosen`, or would have been.
   /// What loops have done to the map, or nothing, is returned.
   std::string complete(KeyframeReport& report, const TrackedFrameConstPtr& chosen, bool refined);
@@ -98,18 +102,19 @@ class Mapper::Impl {
   void forgetMap();
 
   MapperConfig config_;
+  MappingPhase phase_ = MappingPhase::kInitializing;
   Initializer initializer_;
   KeyframeSelector selector_;
   TrajectoryStore store_;
   std::optional<CalibrationEstimator> calibration_;  // from the first frame on: it begins as that was made
   CalibrationEstimator calibration_before_map_;      // what a wrong map says about it is not believed
-  std::unique_ptr<LocalMap> map_;
+  std::unique_ptr<LocalMap> map_;                    // null while initialising or locating
   ReferenceConstPtr reference_;
   struct Refining {
     TrackedFrameConstPtr chosen;
     KeyframeReport report;
   };
-  std::optional<Refining> refining_;  // the newest keyframe, until it is refined
+  std::optional<Refining> refining_;  // the newest keyframe, while refining
   MapId next_map_id_ = 1;
   std::optional<SavedMap> earlier_;  // none: this run began its maps itself
   MapHealth health_;

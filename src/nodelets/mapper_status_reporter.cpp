@@ -6,6 +6,7 @@ namespace mba_vo {
 
 MapperStatusReporter::MapperStatusReporter(ros::NodeHandle& nh)
     : publisher_(nh.advertise<MapperStatus>("mapper/status", 10, true)) {
+  status_.phase = toString(MappingPhase::kInitializing);
   status_.message = "no frame yet";
   publisher_.publish(status_);
 }
@@ -39,6 +40,11 @@ void MapperStatusReporter::frameProcessed(const TrackedFrame& frame, bool stale)
   ++status_.frames_processed;
   status_.frames_stale += stale ? 1 : 0;
   status_.header.stamp = toRosTime(frame.frame->stamp_ns);
+}
+
+void MapperStatusReporter::inPhase(MappingPhase phase) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status_.phase = toString(phase);
 }
 
 void MapperStatusReporter::mapped(const MapperOutput& output) {

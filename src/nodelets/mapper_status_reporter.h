@@ -20,6 +20,7 @@ class MapperStatusReporter {
   void frameShed();
   void frameUnusable(const std::string& reason);
   void frameProcessed(const TrackedFrame& frame, bool stale);
+  void inPhase(MappingPhase phase);
   void mapped(const MapperOutput& output);
   void keyframesDeblurred(const DeblurCounts& counts);
   /// Something was thrown while a frame was worked on.

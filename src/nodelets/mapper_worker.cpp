@@ -50,6 +50,7 @@ bool MapperWorker::step() {
 bool MapperWorker::work() {
   pipeline_.watchSharpKeyframes(map_publisher_.wantsSharpKeyframes());
   const std::optional<MapperStep> step = pipeline_.step();
+  status_.inPhase(pipeline_.mapper().phase());
   if (step && step->isOfFrame()) {
     publish(*step);
   } else if (step && step->reference.reference) {
@@ -62,6 +63,7 @@ void MapperWorker::recover(const std::string& what) {
   ROS_ERROR_STREAM("the mapper failed, a new map begins: " << what);
   status_.failed(what);
   const MapperMessage closed = pipeline_.recover("the mapper failed: " + what);
+  status_.inPhase(pipeline_.mapper().phase());
   if (closed.reference) publishReference(closed);
   status_.publish(pipeline_.queueBytes());
 }

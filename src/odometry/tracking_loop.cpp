@@ -57,8 +57,8 @@ TrackedFrameConstPtr TrackingLoop::trackWaiting(bool may_hold) {
   if (phase_ == TrackingPhase::kNoMap || waiting_.empty()) return nullptr;
   waiting_.dropUntil(frames_.state().lastNs());
   if (waiting_.empty()) {
-    change(PhaseEvent::kNothingWaits);
-    if (frames_.lost()) change(PhaseEvent::kFrameLost);
+    change(TrackingEvent::kNothingWaits);
+    if (frames_.lost()) change(TrackingEvent::kFrameLost);
     return nullptr;
   }
   if (may_hold && scheduler_.holds(waiting_)) return nullptr;
@@ -105,7 +105,7 @@ void TrackingLoop::interpolate(const ExposureTrajectory& before, std::int64_t be
 }
 
 void TrackingLoop::reset() {
-  change(PhaseEvent::kReset);
+  change(TrackingEvent::kReset);
   frames_.reset();
   waiting_.clear();
   left_out_.clear();
@@ -122,7 +122,7 @@ TrackedFrameConstPtr TrackingLoop::blind(const FrameConstPtr& frame, const std::
   const auto result = untracked(frame, has_map ? TrackingStatus::kLost : TrackingStatus::kInitializing, problem);
   result->blind = true;
   if (has_map) frames_.lose(frame->mid_exposure_ns, true);
-  if (waiting_.empty() && has_map) change(PhaseEvent::kFrameLost);
+  if (waiting_.empty() && has_map) change(TrackingEvent::kFrameLost);
   return result;
 }
 
@@ -136,7 +136,7 @@ bool TrackingLoop::isSharperImage(const Reference& reference) const {
 /// The mapper has given up the map: the next one is waited for.
 bool TrackingLoop::leave(const Reference& closed) {
   if (!frames_.reference() || frames_.reference()->id.map_id != closed.id.map_id) return false;
-  change(PhaseEvent::kMapClosed);
+  change(TrackingEvent::kMapClosed);
   frames_.leave();
   recent_.clear();
   no_map_reason_ = closed.closed_because;
@@ -147,8 +147,8 @@ bool TrackingLoop::beginMap(const ReferenceConstPtr& reference) {
   frames_.begin(reference, reckoning_.T_odom_cameraAt(reference->hint->mid_exposure_ns));
   recent_.clear();
   scheduler_.meet();
-  change(PhaseEvent::kMapBegins);
-  if (waiting_.empty()) change(PhaseEvent::kNothingWaits);
+  change(TrackingEvent::kMapBegins);
+  if (waiting_.empty()) change(TrackingEvent::kNothingWaits);
   return true;
 }
 
@@ -169,11 +169,11 @@ void TrackingLoop::changeKeyframe(const ReferenceConstPtr& reference, bool may_g
   std::vector<RecentFrames::Entry> again =
       recent_.takeAfter(found ? frames_.state().lastNs() : reference->mid_exposure_ns);
   if (found && !again.empty()) again.front().before = frames_.state();
-  if (!may_go_back || again.empty()) return change(PhaseEvent::kKeyframe);
+  if (!may_go_back || again.empty()) return change(TrackingEvent::kKeyframe);
   frames_.goOnFrom(again.front().before);
   for (const RecentFrames::Entry& entry : again) worst_need_ = std::max(worst_need_, entry.need);
   waiting_.addRevisions(again);
-  change(newest_known ? PhaseEvent::kRevise : PhaseEvent::kGoBack);
+  change(newest_known ? TrackingEvent::kRevise : TrackingEvent::kGoBack);
 }
 
 /// A frame that comes too early for what is being done.
@@ -185,7 +185,7 @@ TrackedFrameConstPtr TrackingLoop::wait(const FrameConstPtr& frame, bool has_tim
   if (!has_map && has_time) reckon(reckoning_.track(frame), *result);
   waiting_.add({frame, false, false, false});
   waiting_.dropOlderThan(longest_wait_);
-  if (has_map) change(PhaseEvent::kImageWaits);
+  if (has_map) change(TrackingEvent::kImageWaits);
   return result;
 }
 
@@ -208,7 +208,7 @@ void TrackingLoop::reckon(bool measured, TrackedFrame& result) {
 TrackedFrameConstPtr TrackingLoop::trackAhead(const FrameConstPtr& frame) {
   const auto tracked = frames_.trackAhead(frame, newest_);
   if (!tracked) {
-    change(PhaseEvent::kFrameLost);
+    change(TrackingEvent::kFrameLost);
     return nullptr;
   }
   waiting_.add({frame, true, false, true});
@@ -222,7 +222,7 @@ void TrackingLoop::leaveRevisions() {
   frames_.goOnFrom(newest_);
   frames_.find();
   waiting_.clear();
-  change(PhaseEvent::kGoOn);
+  change(TrackingEvent::kGoOn);
 }
 
 /// A new image, while nothing waits.
@@ -249,8 +249,8 @@ std::shared_ptr<TrackedFrame> TrackingLoop::track(const WaitingFrame& next) {
   const bool waited = phase_ != TrackingPhase::kTracking && phase_ != TrackingPhase::kLost;
   if (waited && !waiting_.empty()) return tracked;
   if (waited && phase_ == TrackingPhase::kRevising && !tracked->tracked()) return tracked;  // the first results stand
-  if (waited) change(PhaseEvent::kNothingWaits);
-  change(tracked->tracked() ? PhaseEvent::kFrameTracked : PhaseEvent::kFrameLost);
+  if (waited) change(TrackingEvent::kNothingWaits);
+  change(tracked->tracked() ? TrackingEvent::kFrameTracked : TrackingEvent::kFrameLost);
   return tracked;
 }
 

@@ -1,9 +1,5 @@
 #include "mba_vo/odometry/tracking_phase.h"
 
-#include <algorithm>
-#include <stdexcept>
-#include <string>
-
 namespace mba_vo {
 
 const char* toString(TrackingPhase phase) {
@@ -24,38 +20,38 @@ const char* toString(TrackingPhase phase) {
   return "";
 }
 
-const char* toString(PhaseEvent event) {
+const char* toString(TrackingEvent event) {
   switch (event) {
-    case PhaseEvent::kMapBegins:
+    case TrackingEvent::kMapBegins:
       return "map begins";
-    case PhaseEvent::kMapClosed:
+    case TrackingEvent::kMapClosed:
       return "map closed";
-    case PhaseEvent::kKeyframe:
+    case TrackingEvent::kKeyframe:
       return "keyframe";
-    case PhaseEvent::kRevise:
+    case TrackingEvent::kRevise:
       return "revise";
-    case PhaseEvent::kGoBack:
+    case TrackingEvent::kGoBack:
       return "go back";
-    case PhaseEvent::kImageWaits:
+    case TrackingEvent::kImageWaits:
       return "image waits";
-    case PhaseEvent::kNothingWaits:
+    case TrackingEvent::kNothingWaits:
       return "nothing waits";
-    case PhaseEvent::kGoOn:
+    case TrackingEvent::kGoOn:
       return "go on";
-    case PhaseEvent::kFrameTracked:
+    case TrackingEvent::kFrameTracked:
       return "frame tracked";
-    case PhaseEvent::kFrameLost:
+    case TrackingEvent::kFrameLost:
       return "frame lost";
-    case PhaseEvent::kReset:
+    case TrackingEvent::kReset:
       return "reset";
   }
   return "";
 }
 
-const std::vector<PhaseTransition>& phaseTransitions() {
+const PhaseTable<TrackingPhase, TrackingEvent>& trackingTable() {
   using P = TrackingPhase;
-  using E = PhaseEvent;
-  static const std::vector<PhaseTransition> kTransitions = {
+  using E = TrackingEvent;
+  static const PhaseTable<P, E> kTable = {
       {P::kNoMap, E::kMapBegins, P::kCatchingUp},
       {P::kNoMap, E::kReset, P::kNoMap},
 
@@ -100,18 +96,7 @@ const std::vector<PhaseTransition>& phaseTransitions() {
       {P::kLost, E::kFrameLost, P::kLost},
       {P::kLost, E::kReset, P::kNoMap},
   };
-  return kTransitions;
-}
-
-TrackingPhase nextPhase(TrackingPhase phase, PhaseEvent event) {
-  const std::vector<PhaseTransition>& all = phaseTransitions();
-  const auto found = std::find_if(all.begin(), all.end(),
-                                  [&](const PhaseTransition& t) { return t.from == phase && t.event == event; });
-  if (found == all.end()) {
-    throw std::logic_error(std::string("tracking phase '") + toString(phase) + "': '" + toString(event) +
-                           "' cannot happen");
-  }
-  return found->to;
+  return kTable;
 }
 
 }  // namespace mba_vo

@@ -136,6 +136,7 @@ void diagnoseMapping(const MapperHealth& health, Diagnostic& diagnostic) {
   if (shed > 0) warn(std::to_string(shed) + " frames shed: the mapper does not keep up", diagnostic);
   if (missing > 0) warn(std::to_string(missing) + " frames of the tracker never arrived", diagnostic);
   if (load > kFullLoad) warn("the mapper is busy all the time: keyframes come late", diagnostic);
+  diagnostic.add("state", now.phase);
   diagnostic.addf("load", "%.0f %%", 100.0 * load);
   diagnostic.add("frames waiting [MB]", kMegabytes * static_cast<double>(now.queue_bytes));
   diagnostic.add("frames processed", now.frames_processed);

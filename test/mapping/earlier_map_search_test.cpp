@@ -38,11 +38,13 @@ bool isLookedFor(const MapperOutput& output) { return output.message.find("the c
 TEST(EarlierMapSearch, ACameraThatIsNotFoundBeginsAMapOfItsOwnAfterTenSeconds) {
   Mapper mapper(configFor(false));
   mapper.beginIn(mapOfAnEarlierRun());
+  EXPECT_EQ(mapper.phase(), MappingPhase::kLocating);
   for (double t = 0.0; t < 9.9; t += 0.5) EXPECT_TRUE(isLookedFor(lookAt(mapper, t, false))) << t;
   const MapperOutput output = lookAt(mapper, 10.1, false);
   EXPECT_TRUE(output.is_news);
   EXPECT_NE(output.message.find("a new map begins"), std::string::npos) << output.message;
   EXPECT_FALSE(mapper.savedMap());
+  EXPECT_EQ(mapper.phase(), MappingPhase::kInitializing);
   EXPECT_TRUE(initialise(mapper, 20.0).output.reference);
 }
 
@@ -50,6 +52,7 @@ TEST(EarlierMapSearch, ACameraThatIsOnlyToBeLocalisedIsLookedForOn) {
   Mapper mapper(configFor(true));
   mapper.beginIn(mapOfAnEarlierRun());
   for (double t = 0.0; t < 30.0; t += 0.5) EXPECT_FALSE(lookAt(mapper, t, false).is_news);
+  EXPECT_EQ(mapper.phase(), MappingPhase::kLocating);
   EXPECT_TRUE(mapper.savedMap());
   MapperOutput output;
   for (int i = 0; i < 10 && !output.reference; ++i) {
@@ -58,6 +61,9 @@ TEST(EarlierMapSearch, ACameraThatIsOnlyToBeLocalisedIsLookedForOn) {
   }
   ASSERT_TRUE(output.reference);
   EXPECT_EQ(output.reference->cause, ReferenceCause::kMapBegins);
+  EXPECT_EQ(mapper.phase(), MappingPhase::kMapping);
+  mapper.reset();
+  EXPECT_EQ(mapper.phase(), MappingPhase::kLocating);
 }
 
 TEST(EarlierMapSearch, TimeWithoutAnImageThatShowsSomethingDoesNotCount) {
@@ -89,6 +95,7 @@ TEST(EarlierMapSearch, AMapThatIsWrongWhereTheCameraWasFoundIsLeft) {
           whole(mapper, report(shifted(frames().at(used++), 40.0), TrackingStatus::kTracking, found, SE3::exp(turn)));
     }
     EXPECT_NE(output.message.find("was given up"), std::string::npos) << output.message;
+    EXPECT_EQ(mapper.phase(), localize_only ? MappingPhase::kLocating : MappingPhase::kInitializing);
     EXPECT_EQ(mapper.savedMap().has_value(), localize_only) << "it would be found there again, and again be wrong";
   }
 }

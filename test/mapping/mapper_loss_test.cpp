@@ -104,6 +104,7 @@ TEST(Mapper, GivesUpItsMapTogetherWithTheTracker) {
   ASSERT_NE(initialise(mapper).output.reference, nullptr);
   loseFor(mapper, 1.3, config().restart_after_lost);
   EXPECT_EQ(mapper.currentReference(), nullptr);
+  EXPECT_EQ(mapper.phase(), MappingPhase::kInitializing);
 }
 
 TEST(Mapper, ACoveredLensCostsNoMap) {
@@ -124,6 +125,7 @@ TEST(Mapper, FindsALostCameraByItsKeyframes) {
     const FrameConstPtr frame =
         shifted(frames().at(static_cast<std::size_t>(first) - i - 1), 10.0 + 0.08 * static_cast<double>(i));
     found = mapper.process(report(frame, TrackingStatus::kLost)).reference;
+    EXPECT_EQ(mapper.phase(), found ? MappingPhase::kMapping : MappingPhase::kLost);
     if (!found) continue;
     ASSERT_TRUE(found->hint);
     EXPECT_EQ(found->hint->frame_sequence, frame->sequence);
@@ -164,8 +166,10 @@ TEST(Mapper, ATrackedFrameEndsBeingLost) {
   for (int i = 0; i < 5; ++i) {
     const double t = 10.0 + 0.7 * i;
     mapper.process(report(shifted(frames()[0], t), TrackingStatus::kLost));
+    EXPECT_EQ(mapper.phase(), MappingPhase::kLost);
     mapper.process(report(shifted(frames()[1], t), TrackingStatus::kTracking, reference.id,
                           reference.hint->trajectory.T_reference_mid));
+    EXPECT_EQ(mapper.phase(), MappingPhase::kMapping);
   }
   EXPECT_NE(mapper.currentReference(), nullptr);
 }

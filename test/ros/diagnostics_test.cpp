@@ -30,6 +30,7 @@ TrackerHealth goodTracker() {
 MapperHealth goodMapper() {
   MapperHealth health;
   health.now.map_id = 1;
+  health.now.phase = "refining";
   health.now.frames_in = health.now.frames_processed = 30;
   health.seconds = 2.0;
   health.busy_seconds = 1.0;
@@ -75,6 +76,7 @@ TEST(Diagnostics, AllIsWell) {
   const DiagnosticStatus map = mapping(goodMapper());
   EXPECT_EQ(map.level, DiagnosticStatus::OK) << map.message;
   EXPECT_EQ(valueOf(map, "load"), "50 %");
+  EXPECT_EQ(valueOf(map, "state"), "refining");
 }
 
 TEST(Diagnostics, ImagesThatDoNotComeOrAreOfNoUse) {

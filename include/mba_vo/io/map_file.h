@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "mba_vo/mapping/saved_map.h"
+#include "mba_vo/relocalization/saved_map.h"
 
 namespace mba_vo {
 

@@ -13,20 +13,12 @@
 #include "mba_vo/mapping/keyframe_report.h"
 #include "mba_vo/mapping/mapper_config.h"
 #include "mba_vo/pose_graph/loop_keyframe.h"
+#include "mba_vo/tracking/map_point.h"
 #include "mba_vo/trajectory/pose_interpolation.h"
 #include "mba_vo/trajectory/trajectory_store.h"
 #include "mba_vo/window/window.h"
 
 namespace mba_vo {
-
-/// A point of the map for display.
-struct MapPoint {
-  Eigen::Vector3d position_map;  // [m], up to the monocular scale
-  float intensity = 0.0F;        // [grey levels]
-  KeyframeId keyframe_id = 0;
-  std::int64_t keyframe_ns = 0;  // mid-exposure time of that keyframe [ns]
-  MapId map_id = 0;
-};
 
 /// One map from its initialisation on: the window of keyframes with their active and immature points.
 class LocalMap {

@@ -10,8 +10,8 @@
 
 #include "mba_vo/mapping/loop_queue.h"
 #include "mba_vo/mapping/mapper_config.h"
-#include "mba_vo/mapping/saved_map.h"
 #include "mba_vo/pose_graph/loop_correction.h"
+#include "mba_vo/relocalization/saved_map.h"
 #include "mba_vo/trajectory/trajectory_store.h"
 
 namespace mba_vo {

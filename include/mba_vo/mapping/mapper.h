@@ -10,7 +10,8 @@
 #include "mba_vo/mapping/local_map.h"
 #include "mba_vo/mapping/loop_closing.h"
 #include "mba_vo/mapping/mapper_config.h"
-#include "mba_vo/mapping/saved_map.h"
+#include "mba_vo/mapping/mapping_phase.h"
+#include "mba_vo/relocalization/saved_map.h"
 #include "mba_vo/tracking/tracked_frame.h"
 #include "mba_vo/trajectory/trajectory_store.h"
 
@@ -57,6 +58,8 @@ class Mapper {
   /// if there is nothing to do, or not yet.
   bool doDeferredWork();
 
+  /// What becomes of the next frame.
+  MappingPhase phase() const;
   /// The current snapshot, null before initialisation: for a tracker that was restarted.
   ReferenceConstPtr currentReference() const;
 

@@ -28,7 +28,6 @@ class Recovery {
   /// The keyframes kept.
   KeyframeArchive& archive() { return relocalizer_.archive(); }
   const KeyframeArchive& archive() const { return relocalizer_.archive(); }
-  bool isLost() const { return clock_.lost(); }
   /// With images that show something [s].
   double lostSeconds() const { return clock_.seconds(); }
   bool isLostForGood() const { return lostSeconds() >= config_.restart_after_lost; }

@@ -70,7 +70,7 @@ class TrackingLoop {
   void interpolate(const ExposureTrajectory& before, std::int64_t before_ns, const TrackedFrame& after);
   std::shared_ptr<TrackedFrame> trackNow(const WaitingFrame& next, bool has_time);
   std::shared_ptr<TrackedFrame> track(const WaitingFrame& next);
-  void change(PhaseEvent event) { phase_ = nextPhase(phase_, event); }
+  void change(TrackingEvent event) { phase_ = nextPhase(trackingTable(), phase_, event); }
 
   TrackingPhase phase_ = TrackingPhase::kNoMap;
   FrameTracking frames_;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <vector>
+#include "mba_vo/mapping/phase_table.h"
 
 namespace mba_vo {
 
@@ -15,7 +15,7 @@ enum class TrackingPhase {
 };
 
 /// What may change that.
-enum class PhaseEvent {
+enum class TrackingEvent {
   kMapBegins,     // the first reference of a map, with a hint where to begin
   kMapClosed,     // by the mapper
   kKeyframe,      // another reference of the map, no frame is worth another look
@@ -30,18 +30,9 @@ enum class PhaseEvent {
 };
 
 const char* toString(TrackingPhase phase);
-const char* toString(PhaseEvent event);
+const char* toString(TrackingEvent event);
 
-struct PhaseTransition {
-  TrackingPhase from;
-  PhaseEvent event;
-  TrackingPhase to;
-};
-
-/// All transitions, by phase. What is not among them cannot happen. `docs/how_it_works.md` shows the same table.
-const std::vector<PhaseTransition>& phaseTransitions();
-
-/// Throws std::logic_error naming phase and event if there is no such transition.
-TrackingPhase nextPhase(TrackingPhase phase, PhaseEvent event);
+/// `docs/how_it_works.md` shows the same table.
+const PhaseTable<TrackingPhase, TrackingEvent>& trackingTable();
 
 }  // namespace mba_vo

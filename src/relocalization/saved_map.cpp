@@ -1,4 +1,4 @@
-#include "mba_vo/mapping/saved_map.h"
+#include "mba_vo/relocalization/saved_map.h"
 
 #include <algorithm>
 #include <cmath>

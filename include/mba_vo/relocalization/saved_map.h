@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "mba_vo/geometry/sim3.h"
-#include "mba_vo/mapping/local_map.h"
 #include "mba_vo/relocalization/keyframe_archive.h"
+#include "mba_vo/tracking/map_point.h"
 
 namespace mba_vo {
 
