@@ -1,45 +1,20 @@
 #include "mba_vo/mapping/mapping_phase.h"
 
+#include <cstddef>
+
 namespace mba_vo {
 
 const char* toString(MappingPhase phase) {
-  switch (phase) {
-    case MappingPhase::kInitializing:
-      return "initializing";
-    case MappingPhase::kLocating:
-      return "locating";
-    case MappingPhase::kMapping:
-      return "mapping";
-    case MappingPhase::kRefining:
-      return "refining";
-    case MappingPhase::kLost:
-      return "lost";
-  }
-  return "";
+  constexpr const char* kNames[] = {"initializing", "locating", "mapping", "refining",
+                                    "lost"};  // in the order of MappingPhase
+  return kNames[static_cast<std::size_t>(phase)];
 }
 
 const char* toString(MappingEvent event) {
-  switch (event) {
-    case MappingEvent::kMapBegins:
-      return "map begins";
-    case MappingEvent::kMapLoaded:
-      return "map loaded";
-    case MappingEvent::kNotFound:
-      return "not found";
-    case MappingEvent::kKeyframe:
-      return "keyframe";
-    case MappingEvent::kKeyframeRefined:
-      return "keyframe refined";
-    case MappingEvent::kFrameLost:
-      return "frame lost";
-    case MappingEvent::kFrameTracked:
-      return "frame tracked";
-    case MappingEvent::kFoundAgain:
-      return "found again";
-    case MappingEvent::kMapClosed:
-      return "map closed";
-  }
-  return "";
+  constexpr const char* kNames[] = {
+      "map begins", "map loaded",    "not found",   "keyframe",  "keyframe refined",
+      "frame lost", "frame tracked", "found again", "map closed"};  // in the order of MappingEvent
+  return kNames[static_cast<std::size_t>(event)];
 }
 
 const PhaseTable<MappingPhase, MappingEvent>& mappingTable() {

@@ -1,51 +1,20 @@
 #include "mba_vo/odometry/tracking_phase.h"
 
+#include <cstddef>
+
 namespace mba_vo {
 
 const char* toString(TrackingPhase phase) {
-  switch (phase) {
-    case TrackingPhase::kNoMap:
-      return "no map";
-    case TrackingPhase::kCatchingUp:
-      return "catching up";
-    case TrackingPhase::kTracking:
-      return "tracking";
-    case TrackingPhase::kRevising:
-      return "revising";
-    case TrackingPhase::kGoingBack:
-      return "going back";
-    case TrackingPhase::kLost:
-      return "lost";
-  }
-  return "";
+  constexpr const char* kNames[] = {"no map",   "catching up", "tracking",
+                                    "revising", "going back",  "lost"};  // in the order of TrackingPhase
+  return kNames[static_cast<std::size_t>(phase)];
 }
 
 const char* toString(TrackingEvent event) {
-  switch (event) {
-    case TrackingEvent::kMapBegins:
-      return "map begins";
-    case TrackingEvent::kMapClosed:
-      return "map closed";
-    case TrackingEvent::kKeyframe:
-      return "keyframe";
-    case TrackingEvent::kRevise:
-      return "revise";
-    case TrackingEvent::kGoBack:
-      return "go back";
-    case TrackingEvent::kImageWaits:
-      return "image waits";
-    case TrackingEvent::kNothingWaits:
-      return "nothing waits";
-    case TrackingEvent::kGoOn:
-      return "go on";
-    case TrackingEvent::kFrameTracked:
-      return "frame tracked";
-    case TrackingEvent::kFrameLost:
-      return "frame lost";
-    case TrackingEvent::kReset:
-      return "reset";
-  }
-  return "";
+  constexpr const char* kNames[] = {"map begins",    "map closed",  "keyframe",      "revise",
+                                    "go back",       "image waits", "nothing waits", "go on",
+                                    "frame tracked", "frame lost",  "reset"};  // in the order of TrackingEvent
+  return kNames[static_cast<std::size_t>(event)];
 }
 
 const PhaseTable<TrackingPhase, TrackingEvent>& trackingTable() {
