@@ -4,16 +4,16 @@
 
 namespace mba_vo {
 
+// Names are in the order of the enumerations.
 const char* toString(TrackingPhase phase) {
-  constexpr const char* kNames[] = {"no map",   "catching up", "tracking",
-                                    "revising", "going back",  "lost"};  // in the order of TrackingPhase
+  constexpr const char* kNames[] = {"no map", "catching up", "tracking", "revising", "going back", "lost"};
   return kNames[static_cast<std::size_t>(phase)];
 }
 
 const char* toString(TrackingEvent event) {
   constexpr const char* kNames[] = {"map begins",    "map closed",  "keyframe",      "revise",
                                     "go back",       "image waits", "nothing waits", "go on",
-                                    "frame tracked", "frame lost",  "reset"};  // in the order of TrackingEvent
+                                    "frame tracked", "frame lost",  "reset"};
   return kNames[static_cast<std::size_t>(event)];
 }
 
