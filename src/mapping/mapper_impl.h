@@ -122,9 +122,8 @@ class Mapper::Impl {
   DeferredTracking deferred_;
   KeyframeDeblurring deblurring_;
   LoopClosing loops_;
-  std::optional<std::int64_t>
-      newest_without_map_ns_;                  // of the frames in which a map, or the camera in one, was looked for
-  std::vector<FrameConstPtr> initial_frames_;  // that the initialiser had when the map began
+  std::optional<std::int64_t> newest_without_map_ns_;  // of the frames in which a map, or the camera, was looked for
+  std::vector<FrameConstPtr> initial_frames_;          // that the initialiser had when the map began
   std::int64_t first_keyframe_ns_ = 0;
   TrackingHint last_;  // the newest tracked frame, relative to last_keyframe_
   KeyframeId last_keyframe_ = 0;

@@ -23,14 +23,18 @@ const PhaseTable<MappingPhase, MappingEvent>& mappingTable() {
       {P::kInitializing, E::kMapBegins, P::kMapping},
       {P::kInitializing, E::kMapLoaded, P::kLocating},
       {P::kInitializing, E::kMapClosed, P::kInitializing},
+
       {P::kLocating, E::kMapBegins, P::kMapping},
       {P::kLocating, E::kNotFound, P::kInitializing},
       {P::kLocating, E::kMapClosed, P::kInitializing},
+
       {P::kMapping, E::kKeyframe, P::kRefining},
       {P::kMapping, E::kFrameLost, P::kLost},
       {P::kMapping, E::kMapClosed, P::kInitializing},
+
       {P::kRefining, E::kKeyframeRefined, P::kMapping},
       {P::kRefining, E::kMapClosed, P::kInitializing},
+
       {P::kLost, E::kFrameLost, P::kLost},
       {P::kLost, E::kFrameTracked, P::kMapping},
       {P::kLost, E::kFoundAgain, P::kMapping},
