@@ -26,15 +26,22 @@ set(ros_test_environment
   "LD_LIBRARY_PATH=${CATKIN_DEVEL_PREFIX}/lib:$ENV{LD_LIBRARY_PATH}"
   "PYTHONPATH=${CATKIN_DEVEL_PREFIX}/${PYTHON_INSTALL_DIR}:$ENV{PYTHONPATH}")
 
+# What several of them share: nodelets in a process of their own, a bag, a camera.
+add_library(mba_vo_rostest_common STATIC ${ros_test_folder}/demo_sequence.cpp ${ros_test_folder}/live_odometry.cpp
+  ${ros_test_folder}/sequence_camera.cpp)
+mba_vo_ros_target(mba_vo_rostest_common)
+target_include_directories(mba_vo_rostest_common PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/test)
+target_link_libraries(mba_vo_rostest_common PUBLIC mba_vo_ros mba_vo_evaluation GTest::gtest)
+
 # Builds test/ros/rostest/<name>_test.cpp as the node mba_vo_<name>_test and runs <name>.test with it. Never with --text:
 # rostest then takes failed tests for passed ones.
 function(mba_vo_rostest name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPENDS;ARGS" ${ARGN})
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;ARGS" ${ARGN})
   set(node mba_vo_${name}_test)
-  add_executable(${node} ${ros_test_folder}/${name}_test.cpp ${ros_test_folder}/live_odometry.cpp ${ARG_SOURCES})
+  add_executable(${node} ${ros_test_folder}/${name}_test.cpp ${ARG_SOURCES})
   mba_vo_ros_target(${node})
   target_include_directories(${node} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/test)
-  target_link_libraries(${node} PRIVATE mba_vo_ros ${ARG_DEPENDS} GTest::gtest)
+  target_link_libraries(${node} PRIVATE mba_vo_rostest_common)
   add_dependencies(${node} mba_vo_nodelets)
   add_test(NAME mba_vo_rostest_${name} COMMAND ${PYTHON_EXECUTABLE} ${MBA_VO_ROSTEST}
     ${ros_test_folder}/${name}.test ${ARG_ARGS})
@@ -44,14 +51,11 @@ endfunction()
 
 mba_vo_rostest(bad_input TIMEOUT 320 SOURCES ${ros_test_folder}/bad_topics_test.cpp)
 mba_vo_rostest(camera TIMEOUT 120)
-mba_vo_rostest(play_bag TIMEOUT 520 SOURCES ${ros_test_folder}/demo_sequence.cpp DEPENDS mba_vo_evaluation
-  ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
-mba_vo_rostest(deblurring TIMEOUT 320 SOURCES ${ros_test_folder}/demo_sequence.cpp DEPENDS mba_vo_evaluation
-  ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
-mba_vo_rostest(lifecycle TIMEOUT 520 SOURCES ${ros_test_folder}/demo_sequence.cpp ${ros_test_folder}/sequence_camera.cpp
-  ${ros_test_folder}/saved_map_test.cpp DEPENDS mba_vo_evaluation ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
-mba_vo_rostest(views TIMEOUT 320 SOURCES ${ros_test_folder}/demo_sequence.cpp ${ros_test_folder}/sequence_camera.cpp
-  DEPENDS mba_vo_evaluation ARGS folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
+set(bag_folder folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
+mba_vo_rostest(play_bag TIMEOUT 520 ARGS ${bag_folder})
+mba_vo_rostest(deblurring TIMEOUT 320 ARGS ${bag_folder})
+mba_vo_rostest(lifecycle TIMEOUT 520 SOURCES ${ros_test_folder}/saved_map_test.cpp ARGS ${bag_folder})
+mba_vo_rostest(views TIMEOUT 320 ARGS ${bag_folder})
 set_tests_properties(mba_vo_rostest_deblurring mba_vo_rostest_lifecycle mba_vo_rostest_views PROPERTIES
   DEPENDS mba_vo_rostest_play_bag)  # which makes the bag
 
