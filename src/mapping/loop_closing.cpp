@@ -28,7 +28,7 @@ std::unique_ptr<LoopQueue> queueFor(const MapperConfig& config) {
 std::vector<OdometryKeyframe> keyframesOf(MapId map, const TrajectoryStore& store) {
   std::vector<OdometryKeyframe> keyframes;
   for (const TrajectoryStore::KeyframePlace& place : store.keyframes(map)) {
-    keyframes.push_back({place.keyframe, place.T_map_keyframe, place.base});
+    keyframes.push_back({place.keyframe, place.T_map_keyframe, place.base, place.continues});
   }
   return keyframes;
 }
@@ -76,7 +76,10 @@ void LoopClosing::know(const SavedMap& earlier, MapId map) {
   }
 }
 
-void LoopClosing::beginWindowAt(MapId map, KeyframeId keyframe, const TrajectoryStore& store) {
+void LoopClosing::changeWindow(const LocalMap& left, KeyframeId keyframe, const TrajectoryStore& store) {
+  if (!queue_) return;
+  for (const ArchivedKeyframeConstPtr& archived : left.archived()) queue_->add(archived);
+  const MapId map = left.id();
   const auto known = corrections_.find(map);
   if (known == corrections_.end()) return;
   const TrajectoryStore::CorrectedKeyframes now = corrected(store);
@@ -85,11 +88,6 @@ void LoopClosing::beginWindowAt(MapId map, KeyframeId keyframe, const Trajectory
   }
   T_corrected_map_ = now.at({map, keyframe}).rigid() * store.T_map_keyframe(map, keyframe).inverse();
   known->second.T_corrected_map = T_corrected_map_;
-}
-
-void LoopClosing::close(const LocalMap& map) {
-  if (!queue_) return;
-  for (const ArchivedKeyframeConstPtr& keyframe : map.archived()) queue_->add(keyframe);
 }
 
 void LoopClosing::forgetMap() {

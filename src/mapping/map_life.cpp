@@ -163,10 +163,10 @@ MapperOutput Mapper::Impl::goOnFrom(const Relocalizer::Found& found, MapperOutpu
   const bool begins = phase_ == MappingPhase::kLocating;
   const bool departed = begins || !map_->has(found.keyframe);
   if (departed) {
-    if (!begins) loops_.close(*map_);
-    if (!begins) loops_.beginWindowAt(map_->id(), found.keyframe, store_);
+    if (!begins) loops_.changeWindow(*map_, found.keyframe, store_);
     if (begins) calibration_before_map_ = *calibration_;
     map_ = recovery_.windowAt(found, begins ? identityOfEarlierMap() : map_->identity(), store_, *calibration_);
+    store_.continueFrom(map_->id(), map_->newestKeyframe(), found.keyframe);
   }
   change(begins ? MappingEvent::kMapBegins : MappingEvent::kFoundAgain);
   const KeyframeId keyframe = departed ? map_->newestKeyframe() : found.keyframe;

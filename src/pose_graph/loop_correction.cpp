@@ -46,23 +46,25 @@ class Numbering {
   const std::vector<OdometryKeyframe>& keyframes_;
 };
 
-/// Each keyframe hangs on the one that it was last known relative to.
+/// Each keyframe hangs on the one that it was last known relative to, and the first one after a loss on the one by
+/// which the camera was found.
 std::vector<GraphEdge> odometryEdges(const std::vector<OdometryKeyframe>& keyframes, double depth, double drift) {
   const Numbering numbers(keyframes);
   std::vector<GraphEdge> edges;
+  const auto connect = [&](int from, int to) {
+    const SE3 T = keyframes[static_cast<std::size_t>(from)].T_map_keyframe.inverse() *
+                  keyframes[static_cast<std::size_t>(to)].T_map_keyframe;
+    edges.push_back({from, to, Sim3(T), odometryInformation(T, depth, drift)});
+  };
   std::optional<int> next;  // in time, of those that hang on none
   for (int n = static_cast<int>(keyframes.size()) - 1; n >= 0; --n) {
     const OdometryKeyframe& keyframe = keyframes[static_cast<std::size_t>(n)];
     const std::optional<int> to = keyframe.base ? numbers.of(*keyframe.base) : next;
     if (!keyframe.base) next = n;
-    if (!to) continue;
-    GraphEdge edge;
-    edge.from = n;
-    edge.to = *to;
-    const SE3 T = keyframe.T_map_keyframe.inverse() * keyframes[static_cast<std::size_t>(*to)].T_map_keyframe;
-    edge.S_from_to = Sim3(T);
-    edge.information = odometryInformation(T, depth, drift);
-    edges.push_back(edge);
+    if (to) connect(n, *to);
+    if (!keyframe.continues) continue;
+    if (const std::optional<int> older = numbers.of(*keyframe.continues)) connect(*older, n);
+    next.reset();
   }
   return edges;
 }

@@ -61,7 +61,7 @@ void TrajectoryStore::setKeyframePose(MapId map, KeyframeId keyframe, const SE3&
     place->T_base_keyframe = T_map_keyframe;
     place->base.reset();
   } else {
-    keyframes_.insert(place, {id, T_map_keyframe, std::nullopt});
+    keyframes_.insert(place, {id, T_map_keyframe, std::nullopt, std::nullopt});
   }
 }
 
@@ -74,6 +74,10 @@ void TrajectoryStore::attachKeyframe(MapId map, KeyframeId keyframe, KeyframeId 
   const auto place = placeOf(keyframes_, {map, keyframe});
   place->T_base_keyframe = T_base_keyframe;
   place->base = base;
+}
+
+void TrajectoryStore::continueFrom(MapId map, KeyframeId keyframe, KeyframeId older) {
+  placeOf(keyframes_, {map, keyframe})->continues = older;
 }
 
 void TrajectoryStore::forget(MapId map, KeyframeId from_keyframe) {
@@ -120,7 +124,7 @@ std::vector<TrajectoryStore::KeyframePlace> TrajectoryStore::keyframes(MapId map
   std::vector<KeyframePlace> places;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     const StoredKeyframe& keyframe = keyframes_[i];
-    if (keyframe.id.first == map) places.push_back({keyframe.id.second, poses[i], keyframe.base});
+    if (keyframe.id.first == map) places.push_back({keyframe.id.second, poses[i], keyframe.base, keyframe.continues});
   }
   return places;
 }

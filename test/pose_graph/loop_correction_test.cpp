@@ -20,13 +20,13 @@ struct Walk {
     SE3 T = truth.front().rigid();
     double unit = 1.0;
     units.push_back(unit);
-    keyframes.push_back({0, T, std::nullopt});
+    keyframes.push_back({0, T, std::nullopt, std::nullopt});
     for (std::size_t n = 1; n < truth.size(); ++n) {
       const SE3 step = truth[n - 1].rigid().inverse() * truth[n].rigid();
       Vector6 error;
       error << 0.001, -0.001, 0.0005, 0.0005, 0.0003, -0.0004;
       T = T * SE3(step.rotation(), step.translation() / unit) * SE3::exp(error);
-      keyframes.push_back({static_cast<KeyframeId>(n), T, std::nullopt});
+      keyframes.push_back({static_cast<KeyframeId>(n), T, std::nullopt, std::nullopt});
       unit *= growth;
       units.push_back(unit);
     }
@@ -104,6 +104,24 @@ TEST(LoopCorrection, KeyframesMayHangOnAnyNewerOne) {
   Walk walk(1.002);
   for (std::size_t n = 0; n + 9 < walk.keyframes.size(); ++n) walk.keyframes[n].base = n % 3 == 0 ? n + 4 : n + 1;
   EXPECT_LT(walk.error(positionsOf(walk.correct())), 0.35 * walk.error(positionsOf(walk.keyframes)));
+}
+
+/// Keyframe 6 is made of the image of keyframe 2, by which a lost camera was found; a loop puts keyframe 5 elsewhere.
+TEST(LoopCorrection, AfterALossTheMapHangsOnTheKeyframeByWhichTheCameraWasFound) {
+  std::vector<OdometryKeyframe> keyframes;
+  for (KeyframeId n = 0; n < 10; ++n) {
+    const double x = n < 6 ? n : n - 4;
+    keyframes.push_back({n, SE3(Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}), std::nullopt, std::nullopt});
+  }
+  keyframes[6].continues = 2;
+  LoopTrial loop;
+  loop.older = 0;
+  loop.newer = 5;
+  loop.verdict.S_old_new = Sim3(SE3(Eigen::Quaterniond::Identity(), {5.0, 0.1, 0.0}));
+  loop.verdict.covariance = 1e-8 * Matrix7::Identity();
+  const CorrectedPoses corrected = correctByLoops(keyframes, {&loop}, 2.0);
+  EXPECT_NEAR(corrected.at(5).translation().y(), 0.1, 0.01);
+  EXPECT_LT((corrected.at(6).translation() - corrected.at(2).translation()).norm(), 0.002);
 }
 
 TEST(LoopCorrection, WithoutLoopsNothingMoves) {

@@ -205,6 +205,9 @@ TEST(TrajectoryStore, TellsWhereTheKeyframesOfAMapAre) {
   EXPECT_LT(distance(places[0].T_map_keyframe, T_b_later * T_b.inverse() * T_a), 1e-9);
   EXPECT_EQ(places[1].keyframe, 8U);
   EXPECT_FALSE(places[1].base);
+  EXPECT_FALSE(places[1].continues);
+  store.continueFrom(1, 8, 3);
+  EXPECT_EQ(store.keyframes(1)[1].continues, 3U);
 }
 
 /// Frames follow their keyframe, in its unit of length.

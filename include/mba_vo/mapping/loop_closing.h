@@ -36,10 +36,9 @@ class LoopClosing {
   std::string follow(LocalMap& map, const TrajectoryStore& store);
   /// Takes the keyframes of an earlier run that `map` continues.
   void know(const SavedMap& earlier, MapId map);
-  /// Another window of the map begins with a keyframe that has left the old one: it is moved as that was.
-  void beginWindowAt(MapId map, KeyframeId keyframe, const TrajectoryStore& store);
-  /// Nothing more will come of this window: takes all that it has.
-  void close(const LocalMap& map);
+  /// Nothing more will come of this window: takes all that it has. Another one begins with a keyframe that has left it:
+  /// it is moved as that was.
+  void changeWindow(const LocalMap& left, KeyframeId keyframe, const TrajectoryStore& store);
   /// The keyframes of the map are no more.
   void forgetMap();
   LoopCounts counts() const;

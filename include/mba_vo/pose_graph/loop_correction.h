@@ -14,6 +14,8 @@ struct OdometryKeyframe {
   SE3 T_map_keyframe;
   /// The newer one that it is known relative to since it left the window; none: the next one in time.
   std::optional<KeyframeId> base;
+  /// After a loss, the older one that shows the same image: odometry has not led here.
+  std::optional<KeyframeId> continues;
 };
 
 /// Where the loops put the keyframes of a map. The first stays where it is, the last keeps its size. Empty if there are

@@ -33,6 +33,9 @@ class TrajectoryStore {
   void setKeyframePose(MapId map, KeyframeId keyframe, const SE3& T_map_keyframe);
   /// From now on the keyframe is where it is relative to a newer one, `base`, wherever that will be.
   void attachKeyframe(MapId map, KeyframeId keyframe, KeyframeId base);
+  /// After a loss the map goes on with this keyframe, which is made of the same image as an older one: odometry has
+  /// not led from one to the next.
+  void continueFrom(MapId map, KeyframeId keyframe, KeyframeId older);
   /// Forgets the frames of a map that are relative to this or later keyframes.
   void forget(MapId map, KeyframeId from_keyframe);
   SE3 T_map_keyframe(MapId map, KeyframeId keyframe) const;
@@ -40,7 +43,8 @@ class TrajectoryStore {
   struct KeyframePlace {
     KeyframeId keyframe = 0;
     SE3 T_map_keyframe;
-    std::optional<KeyframeId> base;  // that it is attached to
+    std::optional<KeyframeId> base;       // that it is attached to
+    std::optional<KeyframeId> continues;  // the older one that shows the same image
   };
   /// Of a map, by id.
   std::vector<KeyframePlace> keyframes(MapId map) const;
@@ -76,7 +80,8 @@ class TrajectoryStore {
   struct StoredKeyframe {
     std::pair<MapId, KeyframeId> id;
     SE3 T_base_keyframe;
-    std::optional<KeyframeId> base;  // nullopt: the map
+    std::optional<KeyframeId> base;       // nullopt: the map
+    std::optional<KeyframeId> continues;  // KeyframePlace::continues
   };
 
   /// The entry of this frame; a new one if there was none.
