@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "mba_vo/blur/multiversion.h"
+#include "mba_vo/image/multiversion.h"
 
 namespace mba_vo {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <limits>
 
-#include "mba_vo/blur/multiversion.h"
 #include "mba_vo/blur/texel_corners.h"
+#include "mba_vo/image/multiversion.h"
 
 namespace mba_vo {
 namespace {

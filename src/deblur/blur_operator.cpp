@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mba_vo/blur/multiversion.h"
+#include "mba_vo/image/multiversion.h"
 #include "tap_accumulator.h"
 
 namespace mba_vo {

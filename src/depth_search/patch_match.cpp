@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "mba_vo/blur/multiversion.h"
 #include "mba_vo/blur/texel_corners.h"
+#include "mba_vo/image/multiversion.h"
 
 namespace mba_vo {
 namespace {

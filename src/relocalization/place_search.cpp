@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "mba_vo/blur/multiversion.h"
+#include "mba_vo/image/multiversion.h"
 #include "mba_vo/relocalization/place_index.h"
 
 namespace mba_vo {

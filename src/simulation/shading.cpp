@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "mba_vo/image/multiversion.h"
+
 namespace mba_vo {
 namespace {
 
@@ -74,13 +76,12 @@ struct Offset {
 
 }  // namespace
 
-void shade(const RayBlock& block, const ProjectedSurface& projected, const float* weights, float* light) {
+MBA_VO_MULTIVERSION void shade(const RayBlock& block, const ProjectedSurface& projected, const float* weights,
+                               float* light) {
   const TextureCoordinates at(block, projected);
   const Surface& surface = *projected.surface;
-  const float scale_u = static_cast<float>(surface.scale_u);
-  const float scale_v = static_cast<float>(surface.scale_v);
-  const float offset_u = static_cast<float>(surface.offset_u);
-  const float offset_v = static_cast<float>(surface.offset_v);
+  const auto scale_u = static_cast<float>(surface.scale_u), scale_v = static_cast<float>(surface.scale_v);
+  const auto offset_u = static_cast<float>(surface.offset_u), offset_v = static_cast<float>(surface.offset_v);
   const auto& c = surface.light;
   const float share = 1.0F / static_cast<float>(at.probes);
   for (int i = 0; i < kPixels; ++i) {
@@ -98,17 +99,16 @@ void shade(const RayBlock& block, const ProjectedSurface& projected, const float
   }
 }
 
-void VisibilityBuffer::cast(const RayBlock& block, const Candidates& candidates, float dx, float dy) {
+MBA_VO_MULTIVERSION void VisibilityBuffer::cast(const RayBlock& block, const Candidates& candidates, float dx,
+                                                float dy) {
   const float shift_x = dx * block.x_col + dy * block.x_row;
   const float shift_y = dx * block.y_col + dy * block.y_row;
   std::fill(inverse_depth_, inverse_depth_ + kPixels, 0.0F);
   std::fill(surface_, surface_ + kPixels, -1);
   for (int index = 0; index < static_cast<int>(candidates.surfaces.size()); ++index) {
     const ProjectedSurface& s = *candidates.surfaces[static_cast<std::size_t>(index)];
-    const LinearForm edge0 = s.edge[0].shifted(shift_x, shift_y);
-    const LinearForm edge1 = s.edge[1].shifted(shift_x, shift_y);
-    const LinearForm edge2 = s.edge[2].shifted(shift_x, shift_y);
-    const LinearForm edge3 = s.edge[3].shifted(shift_x, shift_y);
+    const LinearForm edge0 = s.edge[0].shifted(shift_x, shift_y), edge1 = s.edge[1].shifted(shift_x, shift_y);
+    const LinearForm edge2 = s.edge[2].shifted(shift_x, shift_y), edge3 = s.edge[3].shifted(shift_x, shift_y);
     const LinearForm nearness = s.inverse_depth.shifted(shift_x, shift_y);
     for (int i = 0; i < kPixels; ++i) {
       const float x = block.x[i];

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "mba_vo/blur/multiversion.h"
+#include "mba_vo/image/multiversion.h"
 
 namespace mba_vo {
 namespace {

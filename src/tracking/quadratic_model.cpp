@@ -1,6 +1,6 @@
 #include "mba_vo/tracking/quadratic_model.h"
 
-#include "mba_vo/blur/multiversion.h"
+#include "mba_vo/image/multiversion.h"
 
 namespace mba_vo {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <Eigen/LU>
 
-#include "mba_vo/blur/multiversion.h"
 #include "mba_vo/blur/reblur.h"
+#include "mba_vo/image/multiversion.h"
 
 namespace mba_vo {
 namespace {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "mba_vo/blur/multiversion.h"
+#include "mba_vo/image/multiversion.h"
 
 namespace mba_vo {
 namespace {

@@ -21,7 +21,7 @@ SavedMap exampleMap() {
   map.metric = true;
   map.usual_error = 0.31;
   for (KeyframeId id : {3U, 7U}) {
-    const SimulatedFrame rendered = test::roomSimulator().render(static_cast<int>(id));
+    const SimulatedFrame rendered = test::roomView(static_cast<int>(id));
     cv::Mat1f image = test::toFloat(rendered.sharp);
     image(cv::Rect(0, 0, 5, 4)).setTo(std::nanf(""));
     auto reference = test::makeReference(rendered, image);

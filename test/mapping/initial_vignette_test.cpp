@@ -16,7 +16,7 @@ const Vignette kTruth(-0.35, -0.061, -0.014);  // a square fall to 65 % in the c
 
 /// A map with true depths and true poses, of frames around the reference whose brightness varies.
 InitialMap makeMap(const Vignette& vignette) {
-  const SimulatedFrame view = test::roomSimulator().render(40);
+  const SimulatedFrame view = test::roomView(40);
   InitialMap map;
   map.reference = test::makeFrame(test::darkened(test::toFloat(view.sharp), vignette), view.mid_exposure_ns, 0.0);
   map.points = test::makeReference(view, test::toFloat(view.sharp), 400)->points;

@@ -13,7 +13,7 @@ constexpr int kFirst = 40;
 constexpr int kReference = 5;  // counted from the first, as all below
 constexpr KeyframeId kSecond = 1;
 
-SimulatedFrame render(int index) { return test::roomSimulator().render(kFirst + index); }
+SimulatedFrame render(int index) { return test::roomView(kFirst + index); }
 
 FrameConstPtr frame(int index) {
   const SimulatedFrame rendered = render(index);

@@ -9,6 +9,7 @@
 #include "mba_vo/image/point_selector.h"
 #include "mba_vo/tracking/reference.h"
 #include "simulation/test_scenes.h"
+#include "support/test_frames.h"
 
 namespace mba_vo::test {
 
@@ -23,6 +24,12 @@ inline SimulationConfig roomConfig() {
 inline const Simulator& roomSimulator() {
   static const Simulator simulator(roomConfig(), sharedRoom());
   return simulator;
+}
+
+/// One of its frames.
+inline SimulatedFrame roomView(int index) {
+  static const FrameCache cache = testFrames(roomConfig());
+  return renderCached(roomSimulator(), index, cache);
 }
 
 inline cv::Mat1f toFloat(const cv::Mat1b& image) {

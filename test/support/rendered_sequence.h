@@ -1,20 +1,15 @@
 #pragma once
 
-#include <unistd.h>
-
-#include <filesystem>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "mba_vo/image/frame_builder.h"
-#include "mba_vo/simulation/frame_cache.h"
 #include "simulation/test_scenes.h"
+#include "support/test_frames.h"
 
 namespace mba_vo::test {
 
-/// Frames of a camera shaken in the room of seed 1, with sharp twins. Once rendered they stay in the folder for
-/// temporary files.
+/// Frames of a camera shaken in the room of seed 1, with sharp twins.
 struct RenderedSequence {
   CameraCalibration calibration;
   std::vector<SimulatedFrame> frames;
@@ -24,14 +19,14 @@ inline SimulationConfig sequenceConfig(double exposure) {
   SimulationConfig config;
   config.resize(376, 240);
   config.exposure = exposure;
+  config.max_step = 1.0;  // fine enough for an odometry, in half the time
   config.sharp = true;
   return config;
 }
 
 inline RenderedSequence renderFrames(const SimulationConfig& config, int first, int count) {
   const Simulator simulator(config, sharedRoom());
-  const std::string folder = "mba_vo_test_frames_" + std::to_string(::getuid());
-  const FrameCache cache((std::filesystem::temp_directory_path() / folder).string(), config);
+  const FrameCache cache = testFrames(config);
   RenderedSequence sequence{simulator.calibration(), {}};
   for (int i = first; i < first + count; ++i) sequence.frames.push_back(renderCached(simulator, i, cache));
   return sequence;

@@ -26,7 +26,7 @@ struct Swing {
   std::vector<TrackedFrame> frames;
 
   explicit Swing(double growth = 1.0) {
-    const SimulatedFrame view = test::roomSimulator().render(40);
+    const SimulatedFrame view = test::roomView(40);
     const SE3 T_world_other = view.T_world_mid * kT_other_first.inverse();
     const SimulatedFrame other =
         test::roomSimulator().renderExposure([&](double) { return T_world_other; }, 0.0, 0.0, 1);

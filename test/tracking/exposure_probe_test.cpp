@@ -15,7 +15,7 @@ constexpr double kLongest = 0.05;    // [s]
 constexpr double kWellKnown = 0.05;  // log sigma
 
 const SimulatedFrame& referenceView() {
-  static const SimulatedFrame view = test::roomSimulator().render(40);
+  static const SimulatedFrame view = test::roomView(40);
   return view;
 }
 

@@ -19,7 +19,7 @@ struct Pair {
 };
 
 Pair pairOf(unsigned seed) {
-  static const SimulatedFrame view = test::roomSimulator().render(40);
+  static const SimulatedFrame view = test::roomView(40);
   test::Random random(seed);
   const SE3 T_reference_mid = random.pose(0.06, 0.05);
   const Vector6 velocity = random.tangent(0.3, 1.5);

@@ -14,7 +14,7 @@ namespace {
 
 /// Many points on the left half of a rendered view, few on the right.
 ReferenceConstPtr unevenReference() {
-  const SimulatedFrame view = test::roomSimulator().render(40);
+  const SimulatedFrame view = test::roomView(40);
   auto reference = test::makeReference(view, test::toFloat(view.sharp), 10);
   reference->points.clear();
   test::Random random(1);

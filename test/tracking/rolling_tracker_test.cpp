@@ -17,7 +17,7 @@ constexpr double kRowTime = 60e-6;  // [s]
 constexpr unsigned kCases = 6;
 
 const SimulatedFrame& referenceView() {
-  static const SimulatedFrame view = test::roomSimulator().render(40);
+  static const SimulatedFrame view = test::roomView(40);
   return view;
 }
 

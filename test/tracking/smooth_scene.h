@@ -17,8 +17,8 @@ struct SmoothScene {
 };
 
 inline SmoothScene makeScene(const Vector6& image_xi = Vector6::Zero(), double row_time = 0.0) {
-  const SimulatedFrame a = test::roomSimulator().render(40);
-  const SimulatedFrame b = test::roomSimulator().render(41);
+  const SimulatedFrame a = test::roomView(40);
+  const SimulatedFrame b = test::roomView(41);
   const auto smooth = [](const cv::Mat1b& image) {
     cv::Mat1f result = test::toFloat(image);
     cv::GaussianBlur(result, result, {0, 0}, 4.0);

@@ -15,7 +15,7 @@ constexpr double kExposure = 0.02;  // [s]
 constexpr double kRadiansPerDegree = 0.017453292519943295;
 
 const SimulatedFrame& referenceView() {
-  static const SimulatedFrame view = test::roomSimulator().render(40);
+  static const SimulatedFrame view = test::roomView(40);
   return view;
 }
 
@@ -92,9 +92,9 @@ TEST(Tracker, KnowsTheSignFromThePreviousFrame) {
   constexpr double kStep = 1e-4;  // [s]
   int blurred = 0;
   for (int index = 42; index <= 54; ++index) {
-    const SimulatedFrame reference_view = simulator.render(index - 3);
+    const SimulatedFrame reference_view = test::roomView(index - 3);
     const ReferenceConstPtr reference = test::makeReference(reference_view, test::toFloat(reference_view.sharp));
-    const SimulatedFrame rendered = simulator.render(index);
+    const SimulatedFrame rendered = test::roomView(index);
     MotionPrior prior;
     prior.dt = simulator.time(index) - simulator.time(index - 1);
     const double t = simulator.time(index - 1);
