@@ -9,7 +9,7 @@ function(mba_vo_options target)
     target_compile_options(${target} PRIVATE -Wno-shadow)
   endif()
   if(target MATCHES "_test$")  # most of it runs once: what compiles sooner is done sooner
-    target_compile_options(${target} PRIVATE -O1)
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
   get_target_property(type ${target} TYPE)
   if(NOT MBA_VO_PRECOMPILE OR target MATCHES "^mba_vo_precompiled")
@@ -64,7 +64,6 @@ function(mba_vo_test target)
     set(ARG_TIMEOUT 1200)
   endif()
   add_executable(${target} ${ARG_SOURCES})
-  set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)  # tests use short names
   mba_vo_options(${target})
   # GCC 12 warns falsely about inlined Eigen vectors of one element.
   target_compile_options(${target} PRIVATE -Wno-array-bounds)

@@ -42,7 +42,7 @@ std::string option(const char* name, const std::string& value) {
   return value.empty() ? "" : std::string(" ") + name + quoted(value);
 }
 
-std::string baseTopic(const CameraSource& source) {
+std::string baseTopic(const RecordedCamera& source) {
   const std::string suffix = "/compressed";
   const bool ends = source.image.size() > suffix.size() &&
                     source.image.compare(source.image.size() - suffix.size(), suffix.size(), suffix) == 0;
@@ -50,7 +50,7 @@ std::string baseTopic(const CameraSource& source) {
 }
 
 std::string launchLine(const InspectionReport& report, const CameraReport& camera, bool config) {
-  const CameraSource& source = camera.source;
+  const RecordedCamera& source = camera.source;
   std::string line = "roslaunch mba_vo mba_vo.launch bag:=" + quoted(report.path) + " image:=" + baseTopic(source);
   line += option("camera_info:=", source.camera_info) + option("exposure:=", source.exposure);
   if (source.compressed) line += " image_transport:=compressed";
@@ -63,7 +63,7 @@ std::string launchLine(const InspectionReport& report, const CameraReport& camer
 
 Commands commandsFor(const InspectionReport& report, const CameraReport& camera) {
   Commands commands;
-  const CameraSource& source = camera.source;
+  const RecordedCamera& source = camera.source;
   if (camera.facts.images.empty() || !camera.facts.calibration) return commands;
   if (has(camera, Check::kWhiteLevel)) {
     commands.options_yaml.push_back("white_level: " + number(camera.facts.white_level, 5));

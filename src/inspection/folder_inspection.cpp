@@ -27,7 +27,7 @@ void adopt(const Dataset& dataset, InspectionReport& report, CameraInspection& c
   if (!dataset.response_file.empty()) camera.setResponseKnown();
 }
 
-CameraReport reportOn(const CameraInspection& camera, CameraSource source) {
+CameraReport reportOn(const CameraInspection& camera, RecordedCamera source) {
   CameraReport report;
   report.source = std::move(source);
   report.facts = camera.facts();
@@ -55,7 +55,7 @@ class FolderInspection {
     readCalibration();
     readTimes();
     lookAtImages(progress);
-    CameraSource source;
+    RecordedCamera source;
     source.name = (folder_ / subfolder_).string();
     source.images_subfolder = subfolder_;
     source.camera = options_.camera;
@@ -180,7 +180,7 @@ InspectionReport inspectDataset(const std::string& folder, const DatasetOptions&
   }
   report.readable = !camera.facts().images.empty();
   if (!report.readable) return report;
-  CameraSource source;
+  RecordedCamera source;
   source.name = folder + (options.camera.empty() ? "" : ", " + options.camera);
   source.camera = options.camera;
   source.calibration_file = options.calibration_file;

@@ -11,13 +11,12 @@
 #include "diagnostics_publisher.h"
 #include "map_saving.h"
 #include "mapper_worker.h"
+#include "node_constants.h"
 
 namespace mba_vo {
 namespace {
 
-constexpr int kFrameQueue = 1000;      // callbacks only move the frame on, into the queue that is bounded in bytes
-constexpr double kStatusPeriod = 1.0;  // [s]
-constexpr double kWarnPeriod = 5.0;    // [s]
+constexpr int kFrameQueue = 1000;  // callbacks only move the frame on, into the queue that is bounded in bytes
 constexpr std::chrono::seconds kShutdownTimeout(10);  // roslaunch kills after 15 s
 
 }  // namespace

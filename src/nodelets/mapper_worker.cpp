@@ -9,15 +9,9 @@
 #include <boost/make_shared.hpp>
 
 #include "mba_vo/ros/conversions.h"
+#include "node_constants.h"
 
 namespace mba_vo {
-namespace {
-
-constexpr double kBytesPerMegabyte = 1e6;
-constexpr double kWarnPeriod = 5.0;  // [s]
-
-}  // namespace
-
 MapperWorker::MapperWorker(ros::NodeHandle& nh, const NodeConfig& config, MapperStatusReporter& status)
     : map_frame_(config.frames.map_frame),
       status_(status),

@@ -12,17 +12,16 @@
 #include "diagnostics_publisher.h"
 #include "image_source.h"
 #include "mba_vo/ros/exposure_watch.h"
+#include "node_constants.h"
 #include "published_topics.h"
 #include "tracker_worker.h"
 
 namespace mba_vo {
 namespace {
 
-constexpr int kInputQueue = 100;       // shorter ones lose images without a word under load
-constexpr double kPollPeriod = 0.01;   // [s] how often images that wait are looked at
-constexpr double kStatusPeriod = 1.0;  // [s]
-constexpr double kWarnPeriod = 5.0;    // [s]
-constexpr int kLooks = 5;              // for each the master is asked
+constexpr int kInputQueue = 100;      // shorter ones lose images without a word under load
+constexpr double kPollPeriod = 0.01;  // [s] how often images that wait are looked at
+constexpr int kLooks = 5;             // for each the master is asked
 
 double steadySeconds() { return ros::SteadyTime::now().toSec(); }
 

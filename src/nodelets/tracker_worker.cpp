@@ -8,12 +8,11 @@
 #include "input_conversion.h"
 #include "mba_vo/io/photometric_files.h"
 #include "mba_vo/ros/status_conversion.h"
+#include "node_constants.h"
 
 namespace mba_vo {
 namespace {
 
-constexpr double kBytesPerMegabyte = 1e6;
-constexpr double kWarnPeriod = 5.0;  // [s]
 constexpr double kNumbersPerSecond = 1e3;
 
 double now() { return ros::SteadyTime::now().toSec(); }

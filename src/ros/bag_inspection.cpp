@@ -171,7 +171,7 @@ class BagCamera {
   const rosbag::Bag& bag_;
   const BagContents& contents_;
   const std::string& file_;
-  CameraSource source_;
+  RecordedCamera source_;
   CameraInspection camera_;
   std::vector<Finding> findings_;
 };

@@ -14,7 +14,7 @@ constexpr double kFrustumLength = 0.35;
 constexpr double kKeyframeLength = 0.08;
 constexpr double kLineWidth = 0.004;
 
-constexpr int kSteps = 12;  // parts of the swept path
+constexpr int kSweptParts = 12;  // parts of the swept path
 
 using Marker = visualization_msgs::Marker;
 using Corners = std::array<Eigen::Vector3d, 4>;
@@ -66,8 +66,9 @@ std_msgs::ColorRGBA between(const std_msgs::ColorRGBA& a, const std_msgs::ColorR
 /// Poses of the camera from the start of the exposure to its end.
 std::vector<SE3> sweptPoses(const SE3& T_map_reference, const ExposureTrajectory& trajectory) {
   std::vector<SE3> poses;
-  for (int i = 0; i <= kSteps; ++i) {
-    poses.push_back(T_map_reference * trajectory.at(trajectory.exposure * (static_cast<double>(i) / kSteps - 0.5)));
+  for (int i = 0; i <= kSweptParts; ++i) {
+    poses.push_back(T_map_reference *
+                    trajectory.at(trajectory.exposure * (static_cast<double>(i) / kSweptParts - 0.5)));
   }
   return poses;
 }
@@ -76,7 +77,7 @@ void addSweep(const std::vector<SE3>& poses, const Corners& corners, Marker& sur
   for (std::size_t k = 0; k + 1 < poses.size(); ++k) {
     const SE3& from = poses[k];
     const SE3& to = poses[k + 1];
-    const float share = (static_cast<float>(k) + 0.5F) / static_cast<float>(kSteps);
+    const float share = (static_cast<float>(k) + 0.5F) / static_cast<float>(kSweptParts);
     addLine(from.translation(), to.translation(), ways);
     for (std::size_t i = 0; i < corners.size(); ++i) {
       const Eigen::Vector3d& a = corners[i];

@@ -14,7 +14,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kSteps = 6;              // parts of a path: enough for it to look curved
+constexpr int kPathParts = 6;          // parts of a path: enough for it to look curved
 constexpr int kSubPixelBits = 4;       // OpenCV draws at fractions of 1/16 px
 constexpr double kNearestShare = 0.4;  // of the median depth and nearer: red
 constexpr double kFarthestShare = 2.5;
@@ -118,7 +118,7 @@ std::vector<DrawnPoint> drawnPoints(const TrackedFrame& tracked, const Reference
   const SE3 T_camera_reference = tracked.trajectory.T_reference_mid.inverse();
   for (const ReferencePoint& p : reference.points) {
     const Eigen::Vector3d point = reference_camera.unproject(p.pixel.cast<double>()) / p.inverse_depth;
-    DrawnPoint drawn{blurPath(point, tracked.trajectory, camera, kSteps), (T_camera_reference * point).z()};
+    DrawnPoint drawn{blurPath(point, tracked.trajectory, camera, kPathParts), (T_camera_reference * point).z()};
     if (!drawn.path.empty()) points.push_back(std::move(drawn));
   }
   return points;

@@ -77,6 +77,12 @@ void TrajectoryStore::attachKeyframe(MapId map, KeyframeId keyframe, KeyframeId 
 }
 
 void TrajectoryStore::continueFrom(MapId map, KeyframeId keyframe, KeyframeId older) {
+  if (older >= keyframe) {
+    throw std::invalid_argument("keyframe " + std::to_string(keyframe) + " cannot continue keyframe " +
+                                std::to_string(older) + ", which is not older");
+  }
+  entryOf(map, older);
+  entryOf(map, keyframe);
   placeOf(keyframes_, {map, keyframe})->continues = older;
 }
 

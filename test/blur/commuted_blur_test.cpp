@@ -7,7 +7,7 @@
 
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::commuted_blur_test {
 namespace {
 
 const PinholeCamera kReferenceCamera{320, 240, 250.0, 250.0, 159.5, 119.5};
@@ -132,4 +132,4 @@ TEST(CommutedBlur, PixelsThatWouldLookBeyondTheFrameAreInvalid) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::commuted_blur_test

@@ -4,7 +4,7 @@
 
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::fixed_motion_path_test {
 namespace {
 
 const PinholeCamera kReferenceCamera{752, 480, 430.0, 425.0, 375.5, 239.5};
@@ -52,4 +52,4 @@ TEST(FixedMotionPath, PlaneBehindTheCameraIsInvalid) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::fixed_motion_path_test

@@ -4,7 +4,7 @@
 
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::moment_products_test {
 namespace {
 
 /// Against the same products in double precision; `count` terms, the first `moments` of which move.
@@ -49,4 +49,4 @@ TEST(MomentProducts, AreThoseOfMatrices) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::moment_products_test

@@ -5,7 +5,7 @@
 #include "support/jacobian.h"
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::patch_path_test {
 namespace {
 
 const PinholeCamera kCamera{752, 480, 430.0, 425.0, 375.5, 239.5};
@@ -136,4 +136,4 @@ TEST(SampleCount, OneWhenSharpAndBounded) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::patch_path_test

@@ -10,7 +10,7 @@
 #include "support/jacobian.h"
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::reblur_test {
 namespace {
 
 const PinholeCamera kCamera{320, 240, 250.0, 250.0, 159.5, 119.5};
@@ -236,4 +236,4 @@ TEST(ReblurPatch, AsManyMidpointsAsSampleCountSaysGiveTheIntegral) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::reblur_test

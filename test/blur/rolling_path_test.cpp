@@ -5,7 +5,7 @@
 #include "support/jacobian.h"
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::rolling_path_test {
 namespace {
 
 PinholeCamera rollingCamera(const PinholeCamera& camera, double row_time) {
@@ -171,4 +171,4 @@ TEST(RollingPath, RowsOfACoarserLevelHaveTheSameTimes) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::rolling_path_test

@@ -3,7 +3,7 @@
 #include "mba_vo/blur/patch_path.h"
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::slanted_path_test {
 namespace {
 
 const PinholeCamera kCamera{640, 480, 500.0, 510.0, 319.5, 239.5};
@@ -87,4 +87,4 @@ TEST(SlantedPath, DerivativesAtMidExposure) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::slanted_path_test

@@ -4,7 +4,7 @@
 
 #include "capture/fake_clock.h"
 
-namespace mba_vo {
+namespace mba_vo::buffer_stamp_test {
 namespace {
 
 v4l2_buffer bufferOf(std::int64_t stamp_ns, std::uint32_t flags) {
@@ -63,4 +63,4 @@ TEST(BufferStamp, MiddleOfTheExposureOfTheMiddleRow) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::buffer_stamp_test

@@ -7,7 +7,7 @@
 
 #include "io/temporary_folder.h"
 
-namespace mba_vo {
+namespace mba_vo::capture_format_test {
 namespace {
 
 using testing::AllOf;
@@ -67,4 +67,4 @@ TEST(CaptureFormat, WhatIsNotOfferedIsNamedWithWhatIs) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::capture_format_test

@@ -6,7 +6,7 @@
 
 #include "capture/device_camera_fixture.h"
 
-namespace mba_vo {
+namespace mba_vo::device_camera_test {
 namespace {
 
 using testing::AllOf;
@@ -188,4 +188,4 @@ TEST_F(DeviceCameraTest, ACameraThatFallsSilentIsOpenedAgain) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::device_camera_test

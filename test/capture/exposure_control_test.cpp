@@ -3,7 +3,7 @@
 
 #include "capture/device_camera_fixture.h"
 
-namespace mba_vo {
+namespace mba_vo::exposure_control_test {
 namespace {
 
 using testing::AllOf;
@@ -91,4 +91,4 @@ TEST_F(ExposureControlTest, ExposuresThatCannotBeAreNamed) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::exposure_control_test

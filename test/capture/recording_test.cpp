@@ -10,7 +10,7 @@
 #include "mba_vo/capture/open_camera.h"
 #include "mba_vo/capture/recording_player.h"
 
-namespace mba_vo {
+namespace mba_vo::recording_test {
 namespace {
 
 using testing::ElementsAre;
@@ -191,4 +191,4 @@ TEST_F(RecordingTest, WhatCannotBePlayedIsNamed) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::recording_test

@@ -5,7 +5,7 @@
 
 #include "datasets/miniature.h"
 
-namespace mba_vo {
+namespace mba_vo::dataset_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -225,4 +225,4 @@ TEST(Dataset, OptionsThatAFormHasNotAreRefused) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::dataset_test

@@ -10,7 +10,7 @@
 #include "io/temporary_folder.h"
 #include "mba_vo/io/camera_file.h"
 
-namespace mba_vo {
+namespace mba_vo::foreign_calibration_test {
 namespace {
 
 using testing::ElementsAreArray;
@@ -131,4 +131,4 @@ TEST(ForeignCalibration, ALensThatAnotherSystemHasNotIsNamed) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::foreign_calibration_test

@@ -5,7 +5,7 @@
 
 #include "datasets/miniature.h"
 
-namespace mba_vo {
+namespace mba_vo::ground_truth_test {
 namespace {
 
 using testing::HasSubstr;
@@ -130,4 +130,4 @@ TEST(GroundTruth, SpoiltPosesOfSevenScenesAreNamed) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::ground_truth_test

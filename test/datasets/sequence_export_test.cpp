@@ -9,7 +9,7 @@
 #include "mba_vo/datasets/ground_truth.h"
 #include "mba_vo/image/rectifier.h"
 
-namespace mba_vo {
+namespace mba_vo::sequence_export_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -243,4 +243,4 @@ TEST(SequenceExport, WrongInputIsNamed) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::sequence_export_test

@@ -6,7 +6,7 @@
 #include "datasets/miniature.h"
 #include "mba_vo/datasets/dataset.h"
 
-namespace mba_vo {
+namespace mba_vo::spoilt_dataset_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -148,4 +148,4 @@ TEST(SpoiltDataset, AFolderOfNoKnownFormIsToldWhatWasLookedFor) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::spoilt_dataset_test

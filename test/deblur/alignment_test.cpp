@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-namespace mba_vo {
+namespace mba_vo::alignment_test {
 namespace {
 
 float texture(float x, float y) {
@@ -78,4 +78,4 @@ TEST(Alignment, WhereThereIsNoStructureOrNoWeightNothingIsTold) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::alignment_test

@@ -7,7 +7,7 @@
 #include "deblur/transpose_check.h"
 #include "mba_vo/blur/reblur.h"
 
-namespace mba_vo {
+namespace mba_vo::blur_operator_test {
 namespace {
 
 const PinholeCamera kCamera{101, 76, 80.0, 82.0, 50.3, 37.1};  // whole tiles neither way
@@ -178,4 +178,4 @@ TEST(BlurOperator, FollowsTheRowsOfARollingShutter) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::blur_operator_test

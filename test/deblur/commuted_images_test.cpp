@@ -8,7 +8,7 @@
 
 #include "deblur/two_frames.h"
 
-namespace mba_vo {
+namespace mba_vo::commuted_images_test {
 namespace {
 
 using test::crossedFrames;
@@ -73,4 +73,4 @@ TEST(ModelVariance, IsLargeWhereTheNeighbourShowsSomethingElse) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::commuted_images_test

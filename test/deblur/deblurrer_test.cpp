@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::deblurrer_test {
 namespace {
 
 TEST(Deblurrer, NoneHandsTheVeryImageThrough) {
@@ -35,4 +35,4 @@ TEST(Deblurrer, AnUnknownMethodIsNamedTogetherWithWhatIsAllowed) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::deblurrer_test

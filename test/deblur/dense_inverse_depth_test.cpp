@@ -6,7 +6,7 @@
 
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::dense_inverse_depth_test {
 namespace {
 
 const PinholeCamera kCamera{203, 150, 200.0, 200.0, 101.0, 74.5};
@@ -80,4 +80,4 @@ TEST(DenseInverseDepth, WithoutUsableSamplesThereIsNone) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::dense_inverse_depth_test

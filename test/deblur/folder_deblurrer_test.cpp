@@ -9,7 +9,7 @@
 
 #include "io/temporary_folder.h"
 
-namespace mba_vo {
+namespace mba_vo::folder_deblurrer_test {
 namespace {
 
 using testing::HasSubstr;
@@ -81,4 +81,4 @@ TEST_F(FolderDeblurrerTest, AnImageOfAnotherSizeIsNamed) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::folder_deblurrer_test

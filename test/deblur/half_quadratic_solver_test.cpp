@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::half_quadratic_solver_test {
 namespace {
 
 const PinholeCamera kCamera{64, 48, 60.0, 60.0, 31.5, 23.5};
@@ -124,4 +124,4 @@ TEST(HalfQuadraticSolver, TakesSeveralObservations) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::half_quadratic_solver_test

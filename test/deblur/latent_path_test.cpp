@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::latent_path_test {
 namespace {
 
 constexpr double kInverseDepth = 0.6;  // [1/m]
@@ -76,4 +76,4 @@ TEST(LatentPath, BehindACameraThereIsNone) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::latent_path_test

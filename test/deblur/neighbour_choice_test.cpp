@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::neighbour_choice_test {
 namespace {
 
 using Paths = std::vector<Eigen::Vector2f>;
@@ -85,4 +85,4 @@ TEST(ChooseNeighbour, TakesNoneWithoutAnImageOrWithAnImpossibleGain) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::neighbour_choice_test

@@ -8,7 +8,7 @@
 #include "deblur/two_frames.h"
 #include "mba_vo/deblur/blur_operator.h"
 
-namespace mba_vo {
+namespace mba_vo::neighbour_test {
 namespace {
 
 using test::crossedFrames;
@@ -129,4 +129,4 @@ TEST(Neighbour, WhatIsHiddenHasNoValue) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::neighbour_test

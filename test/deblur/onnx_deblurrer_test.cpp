@@ -11,7 +11,7 @@
 #include "deblur/onnx_writer.h"
 #include "io/temporary_folder.h"
 
-namespace mba_vo {
+namespace mba_vo::onnx_deblurrer_test {
 namespace {
 
 using testing::HasSubstr;
@@ -141,4 +141,4 @@ TEST_F(OnnxDeblurrerTest, IsChosenByTheConfiguration) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::onnx_deblurrer_test

@@ -7,7 +7,7 @@
 #include "io/temporary_folder.h"
 #include "mba_vo/deblur/onnx_deblurrer.h"
 
-namespace mba_vo {
+namespace mba_vo::published_networks_test {
 namespace {
 
 using testing::HasSubstr;
@@ -93,4 +93,4 @@ TEST_F(PublishedNetworks, TilesShowNoSeams) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::published_networks_test

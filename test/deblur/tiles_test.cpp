@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::tiles_test {
 namespace {
 
 TEST(Tiles, CoverTheImageOnOneGrid) {
@@ -41,4 +41,4 @@ TEST(Tiles, InnerSidesAreNotUsedAndFade) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::tiles_test

@@ -7,7 +7,7 @@
 
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::trajectory_deblurrer_test {
 namespace {
 
 using test::roomSimulator;
@@ -131,4 +131,4 @@ TEST(TrajectoryDeblurrer, UsesTheDepths) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::trajectory_deblurrer_test

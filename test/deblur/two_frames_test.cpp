@@ -3,7 +3,7 @@
 #include "deblur/two_frames.h"
 #include "mba_vo/deblur/trajectory_deblurrer.h"
 
-namespace mba_vo {
+namespace mba_vo::two_frames_test {
 namespace {
 
 using test::crossedFrames;
@@ -108,4 +108,4 @@ TEST(TwoFrames, TheBrightnessOfTheOtherFrameDoesNotMatter) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::two_frames_test

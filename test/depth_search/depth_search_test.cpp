@@ -11,7 +11,7 @@
 #include "depth_search/textured_wall_scene.h"
 #include "mba_vo/image/point_selector.h"
 
-namespace mba_vo {
+namespace mba_vo::depth_search_test {
 namespace {
 
 using test::DepthStatistics;
@@ -274,4 +274,4 @@ TEST(DepthSearch, FindsDepthInBlurredFrames) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::depth_search_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::epipolar_line_test {
 namespace {
 
 const PinholeCamera kHost{640, 480, 400.0, 410.0, 320.0, 235.0};
@@ -71,4 +71,4 @@ TEST(EpipolarLine, NeedsTranslationAndARayInFront) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::epipolar_line_test

@@ -8,7 +8,7 @@
 #include "mba_vo/depth_search/depth_search.h"
 #include "mba_vo/image/point_selector.h"
 
-namespace mba_vo {
+namespace mba_vo::lacking_vignette_test {
 namespace {
 
 using test::DepthStatistics;
@@ -60,4 +60,4 @@ TEST(DepthSearch, KnowsWhatImagesLackOfTheVignette) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::lacking_vignette_test

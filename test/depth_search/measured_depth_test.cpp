@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::measured_depth_test {
 namespace {
 
 const float kNone = std::nanf("");
@@ -46,4 +46,4 @@ TEST(MeasuredDepth, NothingAtEdgesHolesBordersAndFarAway) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::measured_depth_test

@@ -6,7 +6,7 @@
 
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::nearby_depths_test {
 namespace {
 
 /// Of a slanted plane.
@@ -48,4 +48,4 @@ TEST(NearbyDepths, AreNotKnownFromAFewPoints) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::nearby_depths_test

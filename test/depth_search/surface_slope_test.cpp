@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::surface_slope_test {
 namespace {
 
 const PinholeCamera kCamera{640, 480, 500.0, 500.0, 319.5, 239.5};
@@ -41,4 +41,4 @@ TEST(SurfaceSlopes, ZeroWithoutNeighbours) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::surface_slope_test

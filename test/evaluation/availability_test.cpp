@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::availability_test {
 namespace {
 
 /// 20 images per second from 5 s on, on a run clock that is 1000 s ahead.
@@ -109,4 +109,4 @@ TEST(Availability, RepeatedStampsDoNotMakeTheIntervalShort) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::availability_test

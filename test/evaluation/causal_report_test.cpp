@@ -8,7 +8,7 @@
 #include "evaluation/synthetic_run.h"
 #include "mba_vo/evaluation/run_report_writer.h"
 
-namespace mba_vo {
+namespace mba_vo::causal_report_test {
 namespace {
 
 using testing::HasSubstr;
@@ -213,4 +213,4 @@ TEST(CausalReport, ClocksThatMostlyOverlapAreNotBlamed) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::causal_report_test

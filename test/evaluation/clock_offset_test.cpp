@@ -9,7 +9,7 @@
 #include "evaluation/synthetic_run.h"
 #include "mba_vo/evaluation/evaluator.h"
 
-namespace mba_vo {
+namespace mba_vo::clock_offset_test {
 namespace {
 
 using testing::HasSubstr;
@@ -94,4 +94,4 @@ TEST(ClockOffset, IsOfferedWhereTruthIsASecondOff) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::clock_offset_test

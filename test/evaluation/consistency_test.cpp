@@ -10,7 +10,7 @@
 #include "evaluation/synthetic_run.h"
 #include "mba_vo/evaluation/true_motion.h"
 
-namespace mba_vo {
+namespace mba_vo::consistency_test {
 namespace {
 
 using testing::HasSubstr;
@@ -191,4 +191,4 @@ TEST(TrueMotion, TellsWhenTheCameraHasMoved) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::consistency_test

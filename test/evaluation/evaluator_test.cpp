@@ -10,7 +10,7 @@
 #include "evaluation/exposure_about.h"
 #include "io/temporary_folder.h"
 
-namespace mba_vo {
+namespace mba_vo::evaluator_test {
 namespace {
 
 using testing::HasSubstr;
@@ -242,4 +242,4 @@ TEST(Evaluator, SummarisesTheMotionWithinTheExposure) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::evaluator_test

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-namespace mba_vo {
+namespace mba_vo::image_quality_test {
 namespace {
 
 using testing::HasSubstr;
@@ -88,4 +88,4 @@ TEST(DeblurTable, TellsWhatASecondFrameGains) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::image_quality_test

@@ -7,7 +7,7 @@
 #include "mba_vo/evaluation/exposure_motion.h"
 #include "mba_vo/evaluation/statistics.h"
 
-namespace mba_vo {
+namespace mba_vo::metrics_test {
 namespace {
 
 TEST(Association, IsOneToOneAndTakesTheClosest) {
@@ -71,4 +71,4 @@ TEST(ExposureMotion, LittleBlurHasNoDirection) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::metrics_test

@@ -6,7 +6,7 @@
 #include "io/temporary_folder.h"
 #include "mba_vo/evaluation/frame_log.h"
 
-namespace mba_vo {
+namespace mba_vo::pose_file_test {
 namespace {
 
 using testing::HasSubstr;
@@ -89,4 +89,4 @@ TEST(FrameLog, BadInputIsNamed) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::pose_file_test

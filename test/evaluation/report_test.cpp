@@ -8,7 +8,7 @@
 #include "mba_vo/evaluation/report_writer.h"
 #include "mba_vo/evaluation/trajectory_plot.h"
 
-namespace mba_vo {
+namespace mba_vo::report_test {
 namespace {
 
 using testing::HasSubstr;
@@ -140,4 +140,4 @@ TEST(Plot, TicksAreRound) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::report_test

@@ -8,7 +8,7 @@
 
 #include "evaluation/synthetic_run.h"
 
-namespace mba_vo {
+namespace mba_vo::run_folder_test {
 namespace {
 
 using testing::HasSubstr;
@@ -104,4 +104,4 @@ TEST(RunFolder, MalformedFilesAreNamedWithTheirLine) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::run_folder_test

@@ -7,7 +7,7 @@
 #include "support/jacobian.h"
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::calibration_correction_test {
 namespace {
 
 const PinholeCamera kCamera{640, 480, 460.0, 455.0, 321.0, 238.0};
@@ -111,4 +111,4 @@ TEST(CalibrationCorrection, VignetteRatioIsThatOfTheTransmissions) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::calibration_correction_test

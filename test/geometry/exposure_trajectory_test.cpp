@@ -4,7 +4,7 @@
 
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::exposure_trajectory_test {
 namespace {
 
 TEST(ExposureTrajectory, DelayedFollowsTheSameCurve) {
@@ -24,4 +24,4 @@ TEST(ExposureTrajectory, DelayedFollowsTheSameCurve) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::exposure_trajectory_test

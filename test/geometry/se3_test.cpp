@@ -9,7 +9,7 @@
 #include "support/jacobian.h"
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::se3_test {
 namespace {
 
 Eigen::Matrix4d matrix(const SE3& T) {
@@ -126,4 +126,4 @@ TEST(PinholeCamera, ProjectionJacobian) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::se3_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::sim3_test {
 namespace {
 
 Sim3 example(double seed) {
@@ -41,4 +41,4 @@ TEST(Sim3, IncrementsGoThereAndBack) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::sim3_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::corrected_calibration_test {
 namespace {
 
 CalibrationCorrection lensError() {
@@ -71,4 +71,4 @@ TEST(CorrectedCalibration, WithoutACorrectionOfTheLensIsTheSame) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::corrected_calibration_test

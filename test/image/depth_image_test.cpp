@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::depth_image_test {
 namespace {
 
 TEST(DepthImage, IntegersAreUnitsAndZeroIsUnknown) {
@@ -48,4 +48,4 @@ TEST(DepthImage, OtherTypesAreNamed) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::depth_image_test

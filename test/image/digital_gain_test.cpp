@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::digital_gain_test {
 namespace {
 
 double chosenFor(double mean, double noise) {
@@ -58,4 +58,4 @@ TEST(DigitalGain, IsNotChosenAgainForEachNoisyImage) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::digital_gain_test

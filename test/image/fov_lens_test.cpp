@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::fov_lens_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -52,4 +52,4 @@ TEST(FovLens, NothingIsSeenBehindTheCamera) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::fov_lens_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::frame_builder_test {
 namespace {
 
 CameraCalibration undistorted() { return {128, 96, 100.0, 101.0, 63.0, 47.0, "plumb_bob", {0, 0, 0, 0, 0}}; }
@@ -294,4 +294,4 @@ TEST(FrameBuilder, ACorrectionHoldsFromTheNextImageOn) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::frame_builder_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::image_content_test {
 namespace {
 
 constexpr int kWidth = 320;
@@ -88,4 +88,4 @@ TEST(ImageContent, ContrastFollowsTheExposure) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::image_content_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::image_noise_test {
 namespace {
 
 /// Slopes and edges as a blurred image has them, with noise and whole grey levels.
@@ -44,4 +44,4 @@ TEST(ImageNoise, InvalidPixelsDoNotCount) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::image_noise_test

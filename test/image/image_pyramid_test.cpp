@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::image_pyramid_test {
 namespace {
 
 const PinholeCamera kCamera{96, 64, 100.0, 90.0, 47.5, 31.5};
@@ -85,4 +85,4 @@ TEST(ImagePyramid, RejectsSizesThatDisagree) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::image_pyramid_test

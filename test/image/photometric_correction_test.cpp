@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::photometric_correction_test {
 namespace {
 
 const cv::Size kSize(60, 40);
@@ -123,4 +123,4 @@ TEST(PhotometricCorrection, RejectsImpossibleCalibrations) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::photometric_correction_test

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::point_selector_test {
 namespace {
 
 constexpr int kWidth = 640;
@@ -177,4 +177,4 @@ TEST(PointSelector, RejectsBadArguments) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::point_selector_test

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
-namespace mba_vo {
+namespace mba_vo::rectifier_test {
 namespace {
 
 CameraCalibration calibrationOf(const std::string& model, const std::vector<double>& distortion) {
@@ -198,4 +198,4 @@ TEST(Rectifier, InvalidSourcePixelsSpreadOverTheirFootprint) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::rectifier_test

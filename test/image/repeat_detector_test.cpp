@@ -6,7 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-namespace mba_vo {
+namespace mba_vo::repeat_detector_test {
 namespace {
 
 constexpr int kWidth = 320;
@@ -165,4 +165,4 @@ TEST_F(RepeatDetectorTest, SixteenBitsAndOtherSizes) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::repeat_detector_test

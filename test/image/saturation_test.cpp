@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::saturation_test {
 namespace {
 
 bool isSaturated(int type, const cv::Scalar& value, double white_level = 4095.0) {
@@ -20,4 +20,4 @@ TEST(Saturation, IsNearWhiteInAnyColour) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::saturation_test

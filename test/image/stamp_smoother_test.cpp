@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::stamp_smoother_test {
 namespace {
 
 constexpr double kMillisecond = 1e6;  // [ns]
@@ -137,4 +137,4 @@ TEST(StampSmoother, NumbersTellWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::stamp_smoother_test

@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-namespace mba_vo {
+namespace mba_vo::static_overlay_test {
 namespace {
 
 constexpr int kWidth = 320;
@@ -223,4 +223,4 @@ TEST(StaticOverlay, InColourWith16BitsAndOfAnotherSize) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::static_overlay_test

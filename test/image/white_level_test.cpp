@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::white_level_test {
 namespace {
 
 cv::Mat imageWith(int largest) {
@@ -39,4 +39,4 @@ TEST(WhiteLevel, OpacityIsNoLight) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::white_level_test

@@ -9,7 +9,7 @@
 #include "support/jacobian.h"
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::initializer_geometry_test {
 namespace {
 
 const PinholeCamera kCamera{376, 240, 215.0, 215.0, 187.5, 119.5};
@@ -288,4 +288,4 @@ TEST(InitializerStructure, TooFewViewsAreSaid) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::initializer_geometry_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::initializer_image_test {
 namespace {
 
 constexpr int kWidth = 320;
@@ -34,4 +34,4 @@ TEST(InitializerImage, WhatRectificationLeavesOutIsBlack) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::initializer_image_test

@@ -8,7 +8,7 @@
 
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::initializer_rows_test {
 namespace {
 
 const PinholeCamera kCamera{376, 240, 215.0, 215.0, 187.5, 119.5};
@@ -166,4 +166,4 @@ TEST(InitializerRows, AGlobalShutterStaysOne) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::initializer_rows_test

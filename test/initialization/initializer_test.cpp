@@ -12,7 +12,7 @@
 
 #include "mba_vo/geometry/se3.h"
 
-namespace mba_vo {
+namespace mba_vo::initializer_test {
 namespace {
 
 const PinholeCamera kCamera{376, 240, 215.0, 215.0, 187.5, 119.5};
@@ -281,4 +281,4 @@ TEST(Initializer, AFrameWithoutImageIsRefused) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::initializer_test

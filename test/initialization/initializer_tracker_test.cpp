@@ -10,7 +10,7 @@
 
 #include "mba_vo/geometry/calibration_correction.h"
 
-namespace mba_vo {
+namespace mba_vo::initializer_tracker_test {
 namespace {
 
 const PinholeCamera kCamera{376, 240, 215.0, 215.0, 187.5, 119.5};
@@ -65,4 +65,4 @@ TEST(ReferenceTracker, AVignetteCostsLittle) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::initializer_tracker_test

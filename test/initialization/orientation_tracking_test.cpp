@@ -6,7 +6,7 @@
 
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::orientation_tracking_test {
 namespace {
 
 constexpr double kExposure = 0.01;  // [s]
@@ -76,4 +76,4 @@ TEST(OrientationTracking, BeginsAnewWhenTimeGoesBack) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::orientation_tracking_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::finding_test {
 namespace {
 
 /// Names in the first column of the tables of docs/checks.md.
@@ -41,4 +41,4 @@ TEST(Findings, EveryCheckHasATextOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::finding_test

@@ -16,7 +16,7 @@
 #include "mba_vo/inspection/judgements.h"
 #include "mba_vo/io/camera_yaml.h"
 
-namespace mba_vo {
+namespace mba_vo::folder_inspection_test {
 namespace {
 
 constexpr int kImages = 40;
@@ -217,4 +217,4 @@ TEST(CameraInspection, TwelveBitImagesAndRepeatsAreNoticed) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::folder_inspection_test

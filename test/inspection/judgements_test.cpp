@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::judgements_test {
 namespace {
 
 constexpr std::int64_t kStart = 1'700'000'000'000'000'000;
@@ -254,4 +254,4 @@ TEST(Judgements, TheShearOfChangingMotionTellsTheRowTime) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::judgements_test

@@ -8,7 +8,7 @@
 #include "mba_vo/odometry/config_yaml.h"
 #include "support/rendered_sequence.h"
 
-namespace mba_vo {
+namespace mba_vo::calibrated_run_test {
 namespace {
 
 constexpr double kExposure = 0.02;  // [s]
@@ -102,4 +102,4 @@ TEST(CalibratedRun, WhereNothingIsToBeLearntItRunsOnce) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::calibrated_run_test

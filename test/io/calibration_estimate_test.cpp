@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-namespace mba_vo {
+namespace mba_vo::calibration_estimate_test {
 namespace {
 
 using Correction = CalibrationCorrection;
@@ -95,4 +95,4 @@ TEST(CalibrationEstimate, AVignetteThatIsToldStays) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::calibration_estimate_test

@@ -14,7 +14,7 @@
 #include "mba_vo/odometry/config_yaml.h"
 #include "support/rendered_sequence.h"
 
-namespace mba_vo {
+namespace mba_vo::calibration_report_test {
 namespace {
 
 using testing::HasSubstr;
@@ -183,4 +183,4 @@ TEST(CalibrationPasses, SaysThatNothingWouldBeLearnt) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::calibration_report_test

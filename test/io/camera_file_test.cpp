@@ -7,7 +7,7 @@
 
 #include "io/temporary_folder.h"
 
-namespace mba_vo {
+namespace mba_vo::camera_file_test {
 namespace {
 
 using testing::AllOf;
@@ -265,4 +265,4 @@ TEST_F(CameraFileTest, TruncatedFilesAreReadOrToldOf) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::camera_file_test

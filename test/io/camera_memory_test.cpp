@@ -8,7 +8,7 @@
 
 #include "io/temporary_folder.h"
 
-namespace mba_vo {
+namespace mba_vo::camera_memory_test {
 namespace {
 
 CameraCalibration camera() { return {640, 480, 460.1, 459.0, 320.3, 239.7, "plumb_bob", {-0.1, 0.01, 0, 0, 0}}; }
@@ -105,4 +105,4 @@ TEST(CameraMemory, SaysWhereItCannotWrite) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::camera_memory_test

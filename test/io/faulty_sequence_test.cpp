@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::faulty_sequence_test {
 namespace {
 
 constexpr std::size_t kImages = 300;
@@ -126,4 +126,4 @@ TEST(FaultySequence, AnUnknownKindIsNamed) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::faulty_sequence_test

@@ -12,7 +12,7 @@
 #include "io/temporary_folder.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::map_file_test {
 namespace {
 
 /// Two keyframes with all that can be set.
@@ -164,4 +164,4 @@ TEST(MapFile, WhatWasThereStaysWhereItCannotBeWritten) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::map_file_test

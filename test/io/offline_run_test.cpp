@@ -7,7 +7,7 @@
 
 #include "io/temporary_folder.h"
 
-namespace mba_vo {
+namespace mba_vo::offline_run_test {
 namespace {
 
 using testing::HasSubstr;
@@ -143,4 +143,4 @@ TEST(OfflineRun, WrongOptionsAreNamed) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::offline_run_test

@@ -8,7 +8,7 @@
 #include "io/temporary_folder.h"
 #include "mba_vo/io/points_file.h"
 
-namespace mba_vo {
+namespace mba_vo::recorded_motion_test {
 namespace {
 
 constexpr std::int64_t kInterval = 40'000'000;  // [ns]
@@ -123,4 +123,4 @@ TEST(PointsFile, NamesFileAndLineOfWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::recorded_motion_test

@@ -9,7 +9,7 @@
 #include "mba_vo/odometry/odometry.h"
 #include "support/rendered_sequence.h"
 
-namespace mba_vo {
+namespace mba_vo::reference_delay_test {
 namespace {
 
 struct Step {
@@ -75,4 +75,4 @@ TEST_P(ReferenceDelay, ReferencesAreUsedExactlyThatManyFramesLater) {
 INSTANTIATE_TEST_SUITE_P(Frames, ReferenceDelay, testing::Values(0, 4));
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::reference_delay_test

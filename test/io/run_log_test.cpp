@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::run_log_test {
 namespace {
 
 using testing::HasSubstr;
@@ -202,4 +202,4 @@ TEST(RunLog, ARepeatedImageIsNeitherTrackedNorDropped) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::run_log_test

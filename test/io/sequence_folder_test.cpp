@@ -10,7 +10,7 @@
 #include "io/temporary_folder.h"
 #include "mba_vo/io/sequence.h"
 
-namespace mba_vo {
+namespace mba_vo::sequence_folder_test {
 namespace {
 
 using testing::HasSubstr;
@@ -215,4 +215,4 @@ TEST_F(SequenceFolderTest, GroundTruthIsNeverOpened) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::sequence_folder_test

@@ -10,7 +10,7 @@
 #include "mba_vo/io/run_writer.h"
 #include "mba_vo/io/trajectory_writer.h"
 
-namespace mba_vo {
+namespace mba_vo::writers_test {
 namespace {
 
 using testing::HasSubstr;
@@ -238,4 +238,4 @@ TEST(LoopsCsv, SaysOfEveryPairWhatCameOfIt) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::writers_test

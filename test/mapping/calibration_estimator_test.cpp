@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::calibration_estimator_test {
 namespace {
 
 using Vector = CalibrationCorrection::Vector;
@@ -109,4 +109,4 @@ TEST(CalibrationEstimator, GoesOnFromAnEarlierCorrection) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::calibration_estimator_test

@@ -9,7 +9,7 @@
 
 #include "mapping/fake_deblurrers.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::deblur_queue_test {
 namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
@@ -228,4 +228,4 @@ TEST(DeblurQueue, CountsEveryKeyframeOnce) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::deblur_queue_test

@@ -5,7 +5,7 @@
 #include "mapping/mapper_fixture.h"
 #include "mba_vo/mapping/mapper.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::earlier_map_search_test {
 namespace {
 
 SavedMap mapOfAnEarlierRun() {
@@ -101,4 +101,4 @@ TEST(EarlierMapSearch, AMapThatIsWrongWhereTheCameraWasFoundIsLeft) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::earlier_map_search_test

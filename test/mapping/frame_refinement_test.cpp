@@ -6,7 +6,7 @@
 
 #include "mapping/follower.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::frame_refinement_test {
 namespace {
 
 constexpr double kTurn = 0.02;  // by which a pose is wrong [rad]: 4 px
@@ -107,4 +107,4 @@ TEST(FrameRefinement, CanBeSwitchedOff) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::frame_refinement_test

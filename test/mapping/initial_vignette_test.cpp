@@ -7,7 +7,7 @@
 #include "support/random.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::initial_vignette_test {
 namespace {
 
 using Vignette = CalibrationCorrection::Vignette;
@@ -62,4 +62,4 @@ TEST(InitialVignette, SaysNothingWithoutFrames) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::initial_vignette_test

@@ -12,7 +12,7 @@
 #include "mapping/follower.h"
 #include "mapping/mapper_fixture.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::keyframe_deblur_test {
 namespace {
 
 constexpr int kImages = 60;
@@ -264,4 +264,4 @@ TEST(KeyframeDeblur, TheConfigurationNamesTheDeblurrer) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::keyframe_deblur_test

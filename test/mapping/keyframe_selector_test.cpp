@@ -6,7 +6,7 @@
 
 #include "mba_vo/tracking/frame_measures.h"
 
-namespace mba_vo {
+namespace mba_vo::keyframe_selector_test {
 namespace {
 
 const PinholeCamera kCamera{376, 240, 215.0, 215.0, 187.5, 119.5};
@@ -66,4 +66,4 @@ TEST(KeyframeSelector, ItIsInsertedWhenTheViewIsLeft) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::keyframe_selector_test

@@ -4,7 +4,7 @@
 
 #include "pose_graph/rendered_keyframes.h"
 
-namespace mba_vo {
+namespace mba_vo::loop_queue_test {
 namespace {
 
 constexpr std::size_t kAny = 1000;
@@ -94,4 +94,4 @@ TEST(LoopQueue, AnotherMapBeginsWithoutKeyframes) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::loop_queue_test

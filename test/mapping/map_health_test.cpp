@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::map_health_test {
 namespace {
 
 void add(MapHealth& health, std::initializer_list<double> errors) {
@@ -62,4 +62,4 @@ TEST(MapHealth, ResidualGateOfFramesIsTheirMedianOfLate) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::map_health_test

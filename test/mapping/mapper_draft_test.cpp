@@ -5,7 +5,7 @@
 
 #include "mapping/follower.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::mapper_draft_test {
 namespace {
 
 constexpr double kClose = 5e-3;  // [m, rad]
@@ -64,4 +64,4 @@ TEST(MapperDraft, AKeyframeWhoseViewIsBeingLeftDoesNotWaitForTheOneBefore) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::mapper_draft_test

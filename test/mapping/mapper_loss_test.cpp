@@ -10,7 +10,7 @@
 #include "mapping/mapper_fixture.h"
 #include "mba_vo/mapping/mapper.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::mapper_loss_test {
 namespace {
 
 /// Reports frames as lost, or as waiting for a map once the tracker has given up, every 40 ms for so long.
@@ -175,4 +175,4 @@ TEST(Mapper, ATrackedFrameEndsBeingLost) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::mapper_loss_test

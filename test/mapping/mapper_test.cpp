@@ -10,7 +10,7 @@
 
 #include "mapping/mapper_fixture.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::mapper_test {
 namespace {
 
 TEST(Mapper, SaysWhyThereIsNoMapYet) {
@@ -219,4 +219,4 @@ TEST(Mapper, ResetForgetsTheMapButNotTheTrajectory) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::mapper_test

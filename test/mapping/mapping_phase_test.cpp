@@ -7,7 +7,7 @@
 #include "mapping/mapper_fixture.h"
 #include "support/phase_tables.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::mapping_phase_test {
 namespace {
 
 using Phase = MappingPhase;
@@ -74,4 +74,4 @@ TEST(MappingPhase, AResetMayComeWhileAKeyframeIsRefined) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::mapping_phase_test

@@ -11,7 +11,7 @@
 #include "mapping/follower.h"
 #include "mapping/mapper_fixture.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::neighbour_frames_test {
 namespace {
 
 constexpr int kImages = 40;
@@ -116,4 +116,4 @@ TEST(NeighbourFrames, HaveKnownExposures) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::neighbour_frames_test

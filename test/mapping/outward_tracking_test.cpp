@@ -6,7 +6,7 @@
 #include "support/random.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::outward_tracking_test {
 namespace {
 
 constexpr int kFirst = 40;
@@ -170,4 +170,4 @@ TEST(ReferenceVelocity, ComesFromTheNeighboursOfTheReferenceInTime) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::outward_tracking_test

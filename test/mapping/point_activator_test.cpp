@@ -6,7 +6,7 @@
 
 #include "window/planar_scene.h"
 
-namespace mba_vo {
+namespace mba_vo::point_activator_test {
 namespace {
 
 /// Three keyframes of a corner of a room. The first has points with known depths in the upper part of its image, and
@@ -111,4 +111,4 @@ TEST_F(PointActivatorTest, KeepsADistanceBetweenPoints) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::point_activator_test

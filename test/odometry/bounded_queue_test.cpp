@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::bounded_queue_test {
 namespace {
 
 BoundedQueue<int> tenByteQueue() {
@@ -53,4 +53,4 @@ TEST(BoundedQueue, AnEmptyOneHasNothing) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::bounded_queue_test

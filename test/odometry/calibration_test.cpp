@@ -4,7 +4,7 @@
 #include "mba_vo/odometry/odometry.h"
 #include "support/rendered_sequence.h"
 
-namespace mba_vo {
+namespace mba_vo::calibration_test {
 namespace {
 
 constexpr double kExposure = 0.02;   // [s]
@@ -105,4 +105,4 @@ TEST(Calibration, AVignetteIsFoundInOnePass) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::calibration_test

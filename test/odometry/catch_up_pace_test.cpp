@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::catch_up_pace_test {
 namespace {
 
 constexpr double kRate = 30.0;  // images a second
@@ -64,4 +64,4 @@ TEST(CatchUpPace, BeginsAnewWhenNothingWaitsAnyMore) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::catch_up_pace_test

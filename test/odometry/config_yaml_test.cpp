@@ -9,7 +9,7 @@
 
 #include "io/temporary_folder.h"
 
-namespace mba_vo {
+namespace mba_vo::config_yaml_test {
 namespace {
 
 using testing::HasSubstr;
@@ -134,4 +134,4 @@ TEST(ConfigYaml, FileWithTheDefaultsIsUpToDate) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::config_yaml_test

@@ -7,7 +7,7 @@
 
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::dead_reckoning_test {
 namespace {
 
 constexpr double kExposure = 0.01;  // [s]
@@ -126,4 +126,4 @@ TEST(DeadReckoning, FromTheVeryFirstImageItTurnsOnTheSpot) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::dead_reckoning_test

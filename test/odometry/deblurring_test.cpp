@@ -13,7 +13,7 @@
 #include "odometry/outcome.h"
 #include "support/rendered_sequence.h"
 
-namespace mba_vo {
+namespace mba_vo::deblurring_test {
 namespace {
 
 using test::Outcome;
@@ -109,4 +109,4 @@ TEST(Deblurring, AResetLeavesNoSharpKeyframeBehind) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::deblurring_test

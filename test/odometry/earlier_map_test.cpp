@@ -15,7 +15,7 @@
 #include "mba_vo/odometry/odometry.h"
 #include "odometry/walk.h"
 
-namespace mba_vo {
+namespace mba_vo::earlier_map_test {
 namespace {
 
 using test::walk;
@@ -266,4 +266,4 @@ TEST(EarlierMap, WhereAKeyframeIsPlacedAllThatIsRelativeToItGrows) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::earlier_map_test

@@ -11,7 +11,7 @@
 #include "mba_vo/odometry/odometry.h"
 #include "support/rendered_sequence.h"
 
-namespace mba_vo {
+namespace mba_vo::end_to_end_test {
 namespace {
 
 constexpr double kExposure = 0.03;  // [s] of 37 ms between frames
@@ -218,4 +218,4 @@ TEST(EndToEnd, TwelveBitsInSixteenAreAsGood) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::end_to_end_test

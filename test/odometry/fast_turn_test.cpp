@@ -9,7 +9,7 @@
 #include "mba_vo/odometry/odometry.h"
 #include "support/rendered_sequence.h"
 
-namespace mba_vo {
+namespace mba_vo::fast_turn_test {
 namespace {
 
 constexpr double kExposure = 0.02;  // [s]
@@ -79,4 +79,4 @@ TEST(FastTurn, IsTrackedToItsEndAndBack) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::fast_turn_test

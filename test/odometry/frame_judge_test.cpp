@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::frame_judge_test {
 namespace {
 
 constexpr double kInterval = 0.04;  // [s]
@@ -60,4 +60,4 @@ TEST(FrameJudge, WhatFitsMuchWorseThanUsualIsDoubtful) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::frame_judge_test

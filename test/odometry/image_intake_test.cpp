@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-namespace mba_vo {
+namespace mba_vo::image_intake_test {
 namespace {
 
 constexpr int kWidth = 64;
@@ -123,4 +123,4 @@ TEST(ImageIntake, AMaskIsNotLookedAtWhereImagesAreCompared) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::image_intake_test

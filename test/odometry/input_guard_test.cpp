@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::input_guard_test {
 namespace {
 
 using testing::HasSubstr;
@@ -83,4 +83,4 @@ TEST(InputGuard, JitterOfOneStampDoesNotCondemnALongExposure) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::input_guard_test

@@ -10,7 +10,7 @@
 #include "odometry/outcome.h"
 #include "support/rendered_sequence.h"
 
-namespace mba_vo {
+namespace mba_vo::live_simulation_test {
 namespace {
 
 using test::Outcome;
@@ -153,4 +153,4 @@ TEST(LiveSimulation, WhatWaitsIsThinnedOutUntilItIsCaughtUpWith) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::live_simulation_test

@@ -6,7 +6,7 @@
 #include "odometry/outcome.h"
 #include "odometry/walk.h"
 
-namespace mba_vo {
+namespace mba_vo::loops_test {
 namespace {
 
 struct LoopRun {
@@ -67,4 +67,4 @@ TEST(Loops, CorrectTheSmoothedTrajectoryAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::loops_test

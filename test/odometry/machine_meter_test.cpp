@@ -7,7 +7,7 @@
 
 #include "mba_vo/odometry/config_yaml.h"
 
-namespace mba_vo {
+namespace mba_vo::machine_meter_test {
 namespace {
 
 TrackerStep imageStep(TrackingStatus status, double blur_px) {
@@ -155,4 +155,4 @@ TEST(Machine, IsWrittenAndReadAsYaml) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::machine_meter_test

@@ -9,7 +9,7 @@
 #include "mapping/follower.h"
 #include "mapping/mapper_fixture.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::mapper_pipeline_test {
 namespace {
 
 constexpr std::size_t kQueueBytes = 500000000;
@@ -145,4 +145,4 @@ TEST(MapperPipeline, AQuestionIsAnsweredAfterAllFramesThatWereAddedBefore) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::mapper_pipeline_test

@@ -15,7 +15,7 @@
 #include "mba_vo/simulation/turning_first.h"
 #include "support/rendered_sequence.h"
 
-namespace mba_vo {
+namespace mba_vo::metric_start_test {
 namespace {
 
 constexpr double kExposure = 0.03;  // [s] of 37 ms between frames
@@ -202,4 +202,4 @@ TEST(MetricStart, NeedsNoTranslation) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::metric_start_test

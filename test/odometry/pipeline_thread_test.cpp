@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::pipeline_thread_test {
 namespace {
 
 TEST(PipelineThread, WorksUntilNothingIsLeftAndAgainWhenWoken) {
@@ -90,4 +90,4 @@ TEST(PipelineThread, EndsAfterTheStepThatIsBeingDone) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::pipeline_thread_test

@@ -15,7 +15,7 @@
 #include "mba_vo/odometry/tracker_pipeline.h"
 #include "support/rendered_sequence.h"
 
-namespace mba_vo {
+namespace mba_vo::pipeline_threads_test {
 namespace {
 
 constexpr double kExposure = 0.03;  // [s]
@@ -175,4 +175,4 @@ TEST(PipelineThreads, TrackMapSaveResetFailAndEnd) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::pipeline_threads_test

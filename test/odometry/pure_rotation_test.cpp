@@ -11,7 +11,7 @@
 #include "mba_vo/simulation/turning_first.h"
 #include "simulation/test_scenes.h"
 
-namespace mba_vo {
+namespace mba_vo::pure_rotation_test {
 namespace {
 
 constexpr double kTurning = 10.0;  // [s]
@@ -83,4 +83,4 @@ TEST(PureRotation, MakesNoMapUntilTheCameraWalks) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::pure_rotation_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::recent_frames_test {
 namespace {
 
 RecentFrames::Entry at(double seconds) {
@@ -56,4 +56,4 @@ TEST(RecentFrames, GoesOnRelativeToAnotherReference) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::recent_frames_test

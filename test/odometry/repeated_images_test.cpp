@@ -10,7 +10,7 @@
 #include "mba_vo/odometry/live_simulation.h"
 #include "support/rendered_sequence.h"
 
-namespace mba_vo {
+namespace mba_vo::repeated_images_test {
 namespace {
 
 constexpr double kExposure = 0.03;  // [s]
@@ -151,4 +151,4 @@ TEST_F(RepeatedImages, SecondsOfOneImageAtFirstDoNoHarm) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::repeated_images_test

@@ -13,7 +13,7 @@
 #include "odometry/outcome.h"
 #include "support/rendered_sequence.h"
 
-namespace mba_vo {
+namespace mba_vo::reset_test {
 namespace {
 
 using test::expectSame;
@@ -151,4 +151,4 @@ TEST(ResetOfTheMapper, ForgetsForHowLongTheTrackerHadNoReference) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::reset_test

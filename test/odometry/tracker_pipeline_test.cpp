@@ -10,7 +10,7 @@
 
 #include "odometry/tracking_loop_fixture.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::tracker_pipeline_test {
 namespace {
 
 using testing::HasSubstr;
@@ -271,4 +271,4 @@ TEST(TrackerPipeline, WhoeverEndsCanAskWhichImagesHaveNoResult) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::tracker_pipeline_test

@@ -8,7 +8,7 @@
 #include "odometry/tracking_loop_fixture.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::tracking_ahead_test {
 namespace {
 
 constexpr int kLast = 9;
@@ -146,4 +146,4 @@ TEST(TrackingAhead, FramesBeforeTheFirstReferenceHaveToBeCaughtUpWith) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::tracking_ahead_test

@@ -10,7 +10,7 @@
 #include "odometry/tracking_loop_fixture.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::tracking_loop_test {
 namespace {
 
 TEST(TrackingLoop, AnUnknownExposureIsLearntAndTheFramesCarryIt) {
@@ -194,4 +194,4 @@ TEST(TrackingLoop, AsksForAKeyframeWhenTheViewHasChanged) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::tracking_loop_test

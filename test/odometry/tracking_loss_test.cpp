@@ -10,7 +10,7 @@
 #include "odometry/tracking_loop_fixture.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::tracking_loss_test {
 namespace {
 
 /// An image that shows nothing.
@@ -199,4 +199,4 @@ TEST(TrackingLoop, TurnsOnWhereItSeesNothingOfTheMap) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::tracking_loss_test

@@ -6,7 +6,7 @@
 
 #include "support/phase_tables.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::tracking_phase_test {
 namespace {
 
 using Phase = TrackingPhase;
@@ -34,4 +34,4 @@ TEST(TrackingPhase, TheDocumentationShowsTheSameTable) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::tracking_phase_test

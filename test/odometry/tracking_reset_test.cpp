@@ -11,7 +11,7 @@
 #include "odometry/outcome.h"
 #include "odometry/tracking_loop_fixture.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::tracking_reset_test {
 namespace {
 
 // After a reset, whatever went before, everything must be as if it had never happened: to the last bit.
@@ -164,4 +164,4 @@ std::string nameOf(const testing::TestParamInfo<LoopState>& info) { return info.
 INSTANTIATE_TEST_SUITE_P(InEveryState, ResetOfTheTracker, testing::ValuesIn(kLoopStates), nameOf);
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::tracking_reset_test

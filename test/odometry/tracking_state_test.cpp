@@ -6,7 +6,7 @@
 
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::tracking_state_test {
 namespace {
 
 constexpr double kExposure = 0.01;  // [s]
@@ -36,4 +36,4 @@ TEST(TrackingState, BeginsWhereTheCameraHasTurnedTo) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::tracking_state_test

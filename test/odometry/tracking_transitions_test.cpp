@@ -9,7 +9,7 @@
 #include "mba_vo/odometry/tracking_loop.h"
 #include "odometry/tracking_loop_fixture.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::tracking_transitions_test {
 namespace {
 
 /// At frame `index`, after one at frame 0 in the same map.
@@ -163,4 +163,4 @@ TEST(TrackingTransitions, TheHintOfOneThatWasFoundIsUsed) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::tracking_transitions_test

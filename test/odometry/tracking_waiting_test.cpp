@@ -8,7 +8,7 @@
 #include "odometry/tracking_loop_fixture.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::tracking_waiting_test {
 namespace {
 
 TEST(TrackingLoop, FramesThatWaitedAreTrackedFromTheHintOn) {
@@ -129,4 +129,4 @@ TEST(TrackingLoop, FramesAreNotProvisionalForever) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::tracking_waiting_test

@@ -4,7 +4,7 @@
 
 #include "pose_graph/rendered_keyframes.h"
 
-namespace mba_vo {
+namespace mba_vo::loop_closer_test {
 namespace {
 
 using test::KeyframeSetup;
@@ -93,4 +93,4 @@ TEST(LoopCloser, AnotherMapHasNoPartInIt) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::loop_closer_test

@@ -4,7 +4,7 @@
 
 #include "pose_graph/synthetic_walk.h"
 
-namespace mba_vo {
+namespace mba_vo::loop_correction_test {
 namespace {
 
 using test::positionError;
@@ -134,4 +134,4 @@ TEST(LoopCorrection, WithoutLoopsNothingMoves) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::loop_correction_test

@@ -5,7 +5,7 @@
 #include "mba_vo/relocalization/place_index.h"
 #include "pose_graph/rendered_keyframes.h"
 
-namespace mba_vo {
+namespace mba_vo::loop_verifier_test {
 namespace {
 
 using test::KeyframeSetup;
@@ -144,4 +144,4 @@ TEST(LoopVerifier, RoomsOfTheSameStyleAreNotTakenForEachOther) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::loop_verifier_test

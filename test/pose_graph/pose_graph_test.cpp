@@ -7,7 +7,7 @@
 
 #include "pose_graph/synthetic_walk.h"
 
-namespace mba_vo {
+namespace mba_vo::pose_graph_test {
 namespace {
 
 using test::positionError;
@@ -124,4 +124,4 @@ TEST(PoseGraph, RefusesEdgesToNodesThatThereAreNot) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::pose_graph_test

@@ -4,7 +4,7 @@
 
 #include "pose_graph/rendered_keyframes.h"
 
-namespace mba_vo {
+namespace mba_vo::place_index_test {
 namespace {
 
 using test::moved;
@@ -94,4 +94,4 @@ TEST(PlaceIndex, WhereNothingIsToBeSeenThereIsNoLikeness) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::place_index_test

@@ -4,7 +4,7 @@
 
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::relocalizer_test {
 namespace {
 
 constexpr double kExposure = 0.01;  // [s]
@@ -186,4 +186,4 @@ TEST(KeyframeArchive, TakesTheSharpImageOfWhatItKeeps) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::relocalizer_test

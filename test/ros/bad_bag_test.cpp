@@ -7,7 +7,7 @@
 #include "bag_fixture.h"
 #include "mba_vo/ros/bag_image_writer.h"
 
-namespace mba_vo {
+namespace mba_vo::bad_bag_test {
 namespace {
 
 TEST_F(BagTest, AnImageThatCannotBeReadIsReportedAndTheNextOneFollows) {
@@ -120,4 +120,4 @@ TEST_F(BagTest, TimesThatABagCannotHoldAreRefused) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::bad_bag_test

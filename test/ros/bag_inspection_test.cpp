@@ -8,7 +8,7 @@
 #include "io/temporary_folder.h"
 #include "mba_vo/ros/bag_image_writer.h"
 
-namespace mba_vo {
+namespace mba_vo::bag_inspection_test {
 namespace {
 
 class BagInspectionTest : public BagTest {
@@ -69,4 +69,4 @@ TEST_F(BagInspectionTest, WithoutOneBothCommandsNameTheTopics) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::bag_inspection_test

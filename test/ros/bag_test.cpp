@@ -6,7 +6,7 @@
 #include "bag_fixture.h"
 #include "mba_vo/ros/bag_image_writer.h"
 
-namespace mba_vo {
+namespace mba_vo::bag_test {
 namespace {
 
 TEST_F(BagTest, SimulatedSequenceReadsBackUnchanged) {
@@ -180,4 +180,4 @@ TEST_F(BagTest, DepthsThatAreCompressedAreNotTakenForImages) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::bag_test

@@ -6,7 +6,7 @@
 #include "io/temporary_folder.h"
 #include "mba_vo/ros/calibration_keeper.h"
 
-namespace mba_vo {
+namespace mba_vo::camera_config_test {
 namespace {
 
 using testing::HasSubstr;
@@ -53,4 +53,4 @@ TEST(CameraConfig, AGuessedCalibrationSeesTheFieldOfView) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::camera_config_test

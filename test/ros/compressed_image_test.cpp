@@ -5,7 +5,7 @@
 
 #include "mba_vo/ros/image_conversion.h"
 
-namespace mba_vo {
+namespace mba_vo::compressed_image_test {
 namespace {
 
 sensor_msgs::CompressedImage compressed(const std::string& format, const std::string& suffix, const cv::Mat& image) {
@@ -82,4 +82,4 @@ TEST(CompressedImage, WhatIsNoPictureIsNamed) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::compressed_image_test

@@ -7,7 +7,7 @@
 #include "mba_vo/ros/exposure_lookup.h"
 #include "mba_vo/ros/image_conversion.h"
 
-namespace mba_vo {
+namespace mba_vo::conversions_test {
 namespace {
 
 sensor_msgs::CameraInfo testCameraInfo() {
@@ -190,4 +190,4 @@ TEST(Conversions, FramesOfCamerasAreThoseOfTf) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::conversions_test

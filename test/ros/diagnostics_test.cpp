@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::diagnostics_test {
 namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
@@ -172,4 +172,4 @@ TEST(Diagnostics, ACalibrationIsOneLine) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::diagnostics_test

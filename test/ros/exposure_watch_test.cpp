@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::exposure_watch_test {
 namespace {
 
 constexpr std::int64_t kInterval = 40'000'000;  // [ns]
@@ -47,4 +47,4 @@ TEST(ExposureWatch, AnotherRecordingBeginsAnew) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::exposure_watch_test

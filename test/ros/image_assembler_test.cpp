@@ -7,7 +7,7 @@
 
 #include "mba_vo/ros/conversions.h"
 
-namespace mba_vo {
+namespace mba_vo::image_assembler_test {
 namespace {
 
 constexpr std::int64_t kFirstStamp = 1'000'000'000'000;
@@ -229,4 +229,4 @@ TEST(ImageAssembler, SendersThatDoNotNumberShowNoGaps) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::image_assembler_test

@@ -4,7 +4,7 @@
 
 #include "mba_vo/ros/conversions.h"
 
-namespace mba_vo {
+namespace mba_vo::intra_process_messages_test {
 namespace {
 
 TrackedFrameMessage testMessage() {
@@ -45,4 +45,4 @@ TEST(IntraProcessMessages, TypeIsThatOfTheSummary) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::intra_process_messages_test

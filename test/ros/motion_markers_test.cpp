@@ -8,7 +8,7 @@
 #include "mba_vo/ros/conversions.h"
 #include "ros/view_fixture.h"
 
-namespace mba_vo {
+namespace mba_vo::motion_markers_test {
 namespace {
 
 using test::viewCamera;
@@ -109,4 +109,4 @@ TEST(MotionMarkers, KeyframesOfTheWindowAreThere) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::motion_markers_test

@@ -6,7 +6,7 @@
 
 #include "mba_vo/ros/conversions.h"
 
-namespace mba_vo {
+namespace mba_vo::motion_messages_test {
 namespace {
 
 SE3 pose(double x, double y, double z, double a, double b, double c) {
@@ -140,4 +140,4 @@ TEST(MotionMessages, EachMessageHasItsOwnCovariance) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::motion_messages_test

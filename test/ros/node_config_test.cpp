@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::node_config_test {
 namespace {
 
 std::string errorOf(const std::string& yaml) {
@@ -48,4 +48,4 @@ TEST(NodeConfig, FramesThatTfCannotHoldAreRefused) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::node_config_test

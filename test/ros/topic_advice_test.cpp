@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::topic_advice_test {
 namespace {
 
 const std::string kImage = "sensor_msgs/Image";
@@ -41,4 +41,4 @@ TEST(TopicAdvice, TopicsThatThereAreAreListed) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::topic_advice_test

@@ -8,7 +8,7 @@
 
 #include "ros/console_lines.h"
 
-namespace mba_vo {
+namespace mba_vo::tracker_console_test {
 namespace {
 
 using testing::ElementsAre;
@@ -106,4 +106,4 @@ TEST_F(TrackerConsoleTest, ImagesThatAreLeftOutAreToldOncePerTime) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::tracker_console_test

@@ -7,7 +7,7 @@
 
 #include "ros/view_fixture.h"
 
-namespace mba_vo {
+namespace mba_vo::tracking_image_test {
 namespace {
 
 using test::viewCamera;
@@ -110,4 +110,4 @@ TEST(TrackingImage, PointsAreLeftOutWhereTheyWouldMeanNothing) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::tracking_image_test

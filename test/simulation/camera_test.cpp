@@ -14,7 +14,7 @@
 #include "mba_vo/simulation/frame_cache.h"
 #include "simulation/test_scenes.h"
 
-namespace mba_vo {
+namespace mba_vo::camera_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -226,4 +226,4 @@ TEST_F(CameraFolder, TellsTheCalibrationWithItsErrorsAndRendersWithout) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::camera_test

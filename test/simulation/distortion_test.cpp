@@ -6,7 +6,7 @@
 
 #include "simulation/test_scenes.h"
 
-namespace mba_vo {
+namespace mba_vo::distortion_test {
 namespace {
 
 CameraCalibration lens(const std::string& model, const std::vector<double>& coefficients) {
@@ -90,4 +90,4 @@ TEST(Distortion, ThatCannotBeUndoneIsRefused) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::distortion_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::hand_held_motion_test {
 namespace {
 
 /// Errors of the constant-velocity guess by rotation matrices and their trace [deg], sorted.
@@ -103,4 +103,4 @@ TEST(HandHeldMotion, VelocityIsContinuous) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::hand_held_motion_test

@@ -7,7 +7,7 @@
 #include "simulation/motion_files.h"
 #include "simulation/test_scenes.h"
 
-namespace mba_vo {
+namespace mba_vo::motion_piece_test {
 namespace {
 
 using test::motionText;
@@ -117,4 +117,4 @@ TEST(MotionPiece, PathHasNoGaps) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::motion_piece_test

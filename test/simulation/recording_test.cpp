@@ -9,7 +9,7 @@
 #include "mba_vo/simulation/frame_cache.h"
 #include "simulation/test_scenes.h"
 
-namespace mba_vo {
+namespace mba_vo::recording_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -180,4 +180,4 @@ TEST_F(Recording, ProgressCanStopTheSequence) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::recording_test

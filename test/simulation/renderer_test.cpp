@@ -7,7 +7,7 @@
 
 #include "simulation/test_scenes.h"
 
-namespace mba_vo {
+namespace mba_vo::renderer_test {
 namespace {
 
 constexpr double kFocal = 200.0;    // [px]
@@ -193,4 +193,4 @@ TEST(Renderer, RowsOfARollingShutterSeeAllThatTheirInstantShows) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::renderer_test

@@ -7,7 +7,7 @@
 #include "simulation/motion_files.h"
 #include "simulation/test_scenes.h"
 
-namespace mba_vo {
+namespace mba_vo::room_around_test {
 namespace {
 
 using test::motionText;
@@ -122,4 +122,4 @@ TEST(RoomAround, SuitsRecordedMotions) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::room_around_test

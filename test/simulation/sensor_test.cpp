@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::sensor_test {
 namespace {
 
 double deviation(const cv::Mat& image) {
@@ -49,4 +49,4 @@ TEST(Sensor, GammaVignetteAndSaturation) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::sensor_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::simulation_config_test {
 namespace {
 
 std::string messageOf(const std::function<void(SimulationConfig&)>& change) {
@@ -107,4 +107,4 @@ TEST(SimulationConfig, FingerprintFollowsEveryValueThatChangesImages) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::simulation_config_test

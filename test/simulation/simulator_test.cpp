@@ -4,7 +4,7 @@
 
 #include "simulation/test_scenes.h"
 
-namespace mba_vo {
+namespace mba_vo::simulator_test {
 namespace {
 
 bool same(const cv::Mat& a, const cv::Mat& b) { return a.size() == b.size() && cv::countNonZero(a != b) == 0; }
@@ -122,4 +122,4 @@ TEST(Simulator, RefusesFramesOutsideTheSequence) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::simulator_test

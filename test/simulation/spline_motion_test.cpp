@@ -4,7 +4,7 @@
 
 #include "simulation/motion_files.h"
 
-namespace mba_vo {
+namespace mba_vo::spline_motion_test {
 namespace {
 
 using test::motionText;
@@ -122,4 +122,4 @@ TEST(SplineMotion, StandsStillOutside) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::spline_motion_test

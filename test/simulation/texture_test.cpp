@@ -6,7 +6,7 @@
 
 #include "mba_vo/simulation/texture_painter.h"
 
-namespace mba_vo {
+namespace mba_vo::texture_test {
 namespace {
 
 TEST(Texture, InterpolatesRepeatsAndAverages) {
@@ -38,4 +38,4 @@ TEST(TexturePainter, EveryPatternHasContrastInRange) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::texture_test

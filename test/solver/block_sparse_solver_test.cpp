@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace mba_vo {
+namespace mba_vo::block_sparse_solver_test {
 namespace {
 
 constexpr int kBlock = 3;
@@ -71,4 +71,4 @@ TEST(BlockSparseSolver, RefusesBlocksThatThePatternHasNot) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::block_sparse_solver_test

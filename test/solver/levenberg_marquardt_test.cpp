@@ -6,7 +6,7 @@
 
 #include "mba_vo/solver/robust_loss.h"
 
-namespace mba_vo {
+namespace mba_vo::levenberg_marquardt_test {
 namespace {
 
 /// Rosenbrock's valley as two residuals.
@@ -135,4 +135,4 @@ TEST(HuberLoss, CostIsContinuousAndWeightIsItsDerivative) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::levenberg_marquardt_test

@@ -4,7 +4,7 @@
 
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::reduced_camera_solver_test {
 namespace {
 
 /// Positive definite, block (0, n-1) and its like empty.
@@ -64,4 +64,4 @@ TEST(ReducedCameraSolver, SparseAndDenseAgree) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::reduced_camera_solver_test

@@ -6,7 +6,7 @@
 
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::residual_spread_test {
 namespace {
 
 TEST(ResidualSpread, IsTheStandardDeviationWhateverTheOutliers) {
@@ -36,4 +36,4 @@ TEST(ResidualPrecision, IsTheInverseVarianceDownToWhatRoundingLeaves) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::residual_spread_test

@@ -12,7 +12,7 @@
 #include "support/random.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::alignment_problem_test {
 namespace {
 
 const PatchPattern kPattern = PatchPattern::square(9);  // the problem keeps a reference to it
@@ -276,4 +276,4 @@ TEST(AlignmentProblem, LeavingTheReferenceNeverPays) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::alignment_problem_test

@@ -7,7 +7,7 @@
 
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::expected_error_test {
 namespace {
 
 const PinholeCamera kCamera{376, 240, 215.0, 220.0, 187.0, 119.0};
@@ -71,4 +71,4 @@ TEST(ExpectedPixelError, CountsWhatTheFrameSees) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::expected_error_test

@@ -8,7 +8,7 @@
 
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::exposure_estimator_test {
 namespace {
 
 constexpr double kExposure = 0.02;  // [s]
@@ -121,4 +121,4 @@ TEST(ExposureEstimator, KeepsStillWhenToldTo) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::exposure_estimator_test

@@ -8,7 +8,7 @@
 
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::exposure_filter_test {
 namespace {
 
 constexpr double kInterval = 1.0 / 15.0;  // [s] between samples
@@ -100,4 +100,4 @@ TEST(ExposureFilter, KnowsThePastBetterLater) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::exposure_filter_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::exposure_history_test {
 namespace {
 
 TEST(ExposureHistory, IsAStraightLineOfTheLogarithmBetweenItsEntries) {
@@ -26,4 +26,4 @@ TEST(ExposureHistory, GoesOnAtItsRateForAWhile) {
 TEST(ExposureHistory, NeedsAnEntry) { EXPECT_THROW(ExposureHistory({}), std::invalid_argument); }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::exposure_history_test

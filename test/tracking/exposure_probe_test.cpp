@@ -7,7 +7,7 @@
 #include "support/random.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::exposure_probe_test {
 namespace {
 
 constexpr double kExposure = 0.02;   // [s]
@@ -86,4 +86,4 @@ TEST(ExposureProbe, SaysNothingWhereNothingIsBlurred) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::exposure_probe_test

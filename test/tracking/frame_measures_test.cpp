@@ -7,7 +7,7 @@
 
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::frame_measures_test {
 namespace {
 
 const PinholeCamera kCamera{376, 240, 215.0, 220.0, 187.0, 119.0};
@@ -89,4 +89,4 @@ TEST(FrameMeasures, NothingInViewIsNothingVisible) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::frame_measures_test

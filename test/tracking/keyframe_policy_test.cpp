@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::keyframe_policy_test {
 namespace {
 
 FrameMeasures still() {
@@ -94,4 +94,4 @@ TEST(KeyframePolicy, MoreBlurNeverMakesAFrameMoreWelcome) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::keyframe_policy_test

@@ -4,7 +4,7 @@
 #include "support/random.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::lacking_correction_test {
 namespace {
 
 constexpr double kExposure = 0.02;  // [s]
@@ -99,4 +99,4 @@ TEST(Tracker, KnowsTheFocalLengthThatAnImageOfAnEarlierCorrectionHas) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::lacking_correction_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::lost_timer_test {
 namespace {
 
 constexpr std::int64_t kTenth = 100000000;  // of a second [ns]
@@ -27,4 +27,4 @@ TEST(LostTimer, CountsOnlyTheTimeOfImagesThatShowSomething) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::lost_timer_test

@@ -7,7 +7,7 @@
 #include "mba_vo/tracking/motion_state.h"
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::motion_prior_test {
 namespace {
 
 constexpr std::int64_t kInterval = 40'000'000;  // [ns]
@@ -173,4 +173,4 @@ TEST(MotionState, GoesOnRelativeToAnotherReference) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::motion_prior_test

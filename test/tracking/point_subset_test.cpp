@@ -9,7 +9,7 @@
 #include "support/random.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::point_subset_test {
 namespace {
 
 /// Many points on the left half of a rendered view, few on the right.
@@ -92,4 +92,4 @@ TEST(PointSubset, OfNothingIsNothing) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::point_subset_test

@@ -8,7 +8,7 @@
 #include "mba_vo/solver/robust_loss.h"
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::quadratic_model_test {
 namespace {
 
 constexpr int kPixels = 81;
@@ -140,4 +140,4 @@ TEST(QuadraticModel, TheFitIsJudgedByTheInlierThreshold) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::quadratic_model_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::residual_gate_test {
 namespace {
 
 TEST(ResidualGate, TellsWhatIsFarFromTheMedianAndLarge) {
@@ -33,4 +33,4 @@ TEST(ResidualGate, WhatLastsBecomesUsual) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::residual_gate_test

@@ -10,7 +10,7 @@
 #include "support/random.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::rolling_tracker_test {
 namespace {
 
 constexpr double kRowTime = 60e-6;  // [s]
@@ -113,4 +113,4 @@ TEST(RollingTracker, AnExposureShorterThanTheReadoutHardlyChangesWhatIsKnownOfTh
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::rolling_tracker_test

@@ -8,7 +8,7 @@
 #include "support/random.h"
 #include "support/rendered_room.h"
 
-namespace mba_vo {
+namespace mba_vo::tracker_test {
 namespace {
 
 constexpr double kExposure = 0.02;  // [s]
@@ -269,4 +269,4 @@ TEST(Tracker, ABlurredReferenceDoesNotBiasTheMotion) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::tracker_test

@@ -6,7 +6,7 @@
 
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::finite_difference_velocity_test {
 namespace {
 
 constexpr std::int64_t kInterval = 37'000'000;  // [ns]
@@ -125,4 +125,4 @@ TEST(FiniteDifferenceVelocity, ACommonErrorOfTheMeasuredVelocitiesFades) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::finite_difference_velocity_test

@@ -9,7 +9,7 @@
 
 #include "trajectory/covariance_fixture.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::odometry_covariance_test {
 namespace {
 
 TEST(OdometryCovariance, GrowsWithEachKeyframeAndNotBetween) {
@@ -253,4 +253,4 @@ TEST(OdometryCovariance, LostInAMapOnlyThePlaceIsInDoubt) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::odometry_covariance_test

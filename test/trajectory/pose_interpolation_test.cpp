@@ -4,7 +4,7 @@
 
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::pose_interpolation_test {
 namespace {
 
 constexpr std::int64_t kInterval = 74'000'000;  // [ns]
@@ -94,4 +94,4 @@ TEST(FusedPose, LiesNearerToTheBetterKnownPose) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::pose_interpolation_test

@@ -6,7 +6,7 @@
 
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::trajectory_store_test {
 namespace {
 
 TrackedFrame trackedAt(std::uint64_t sequence, std::int64_t mid_ns, MapId map, KeyframeId keyframe,
@@ -208,6 +208,9 @@ TEST(TrajectoryStore, TellsWhereTheKeyframesOfAMapAre) {
   EXPECT_FALSE(places[1].continues);
   store.continueFrom(1, 8, 3);
   EXPECT_EQ(store.keyframes(1)[1].continues, 3U);
+  EXPECT_THROW(store.continueFrom(1, 3, 8), std::invalid_argument);
+  EXPECT_THROW(store.continueFrom(1, 8, 2), std::out_of_range);
+  EXPECT_THROW(store.continueFrom(1, 9, 3), std::out_of_range);
 }
 
 /// Frames follow their keyframe, in its unit of length.
@@ -234,4 +237,4 @@ TEST(TrajectoryStore, CorrectedKeyframesTakeTheirFramesAlong) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::trajectory_store_test

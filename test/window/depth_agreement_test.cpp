@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::depth_agreement_test {
 namespace {
 
 constexpr double kPrecision = 0.5;  // [1 / grey level^2]
@@ -28,4 +28,4 @@ TEST(MeasuredDepthTerm, DerivativesAreThoseOfTheCost) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::depth_agreement_test

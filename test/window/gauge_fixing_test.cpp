@@ -7,7 +7,7 @@
 #include "mba_vo/geometry/pinhole_camera.h"
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::gauge_fixing_test {
 namespace {
 
 constexpr int kKeyframes = 4;
@@ -137,4 +137,4 @@ TEST(GaugeFixing, FirstEstimatesStay) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::gauge_fixing_test

@@ -10,7 +10,7 @@
 #include "window/bilinear_window.h"
 #include "window/planar_scene.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::imaging_system_test {
 namespace {
 
 class ImagingSystemOf : public ::testing::TestWithParam<Exposure> {};
@@ -182,4 +182,4 @@ TEST(ImagingSystem, RightVelocitiesStay) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::imaging_system_test

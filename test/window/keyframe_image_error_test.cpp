@@ -9,7 +9,7 @@
 
 #include "window/planar_scene.h"
 
-namespace mba_vo {
+namespace mba_vo::keyframe_image_error_test {
 namespace {
 
 /// Two sharp keyframes of the analytic scene at their true poses.
@@ -83,4 +83,4 @@ TEST(KeyframeImageError, IsUnknownWithoutPointsOrOtherKeyframes) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::keyframe_image_error_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::marginalization_policy_test {
 namespace {
 
 /// Keyframes on a line, all points of each seen by all others.
@@ -76,4 +76,4 @@ TEST(MarginalizationPolicy, OnAFastTurnAndForTenKeyframesAfterItMoreStay) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::marginalization_policy_test

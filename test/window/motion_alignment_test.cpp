@@ -10,7 +10,7 @@
 #include "window/bilinear_window.h"
 #include "window/planar_scene.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::motion_alignment_test {
 namespace {
 
 constexpr int kStates = MotionAlignment::kStates;
@@ -227,4 +227,4 @@ TEST(MotionAlignment, TheVelocityFollowsTheMotion) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::motion_alignment_test

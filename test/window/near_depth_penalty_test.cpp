@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mba_vo {
+namespace mba_vo::near_depth_penalty_test {
 namespace {
 
 WindowState withInverseDepths(const std::vector<double>& inverse_depths) {
@@ -66,4 +66,4 @@ TEST(NearDepthPenalty, AWindowWithoutPointsHasNoCost) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::near_depth_penalty_test

@@ -7,7 +7,7 @@
 #include "support/random.h"
 #include "window/planar_scene.h"
 
-namespace mba_vo {
+namespace mba_vo::point_activation_test {
 namespace {
 
 TEST(SpacingGrid, HasRoomForOnePointPerCell) {
@@ -142,4 +142,4 @@ TEST(ProjectPoints, KnowsThatTheHostWasMadeWithAnotherFocalLength) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::point_activation_test

@@ -6,7 +6,7 @@
 #include "support/random.h"
 #include "window/planar_views.h"
 
-namespace mba_vo {
+namespace mba_vo::window_activation_test {
 namespace {
 
 using test::views;
@@ -89,4 +89,4 @@ TEST(WindowActivation, AKeyframeThatCannotSeeAPointHasNoResidualOfIt) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::window_activation_test

@@ -9,7 +9,7 @@
 #include "support/random.h"
 #include "window/bilinear_window.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::window_huber_test {
 namespace {
 
 // Residuals into one keyframe are small, those into another large: each gets the threshold and the weight that suit it.
@@ -56,4 +56,4 @@ TEST(WindowHuberThreshold, AndPrecisionFollowTheResidualsIntoEachKeyframe) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::window_huber_test

@@ -10,7 +10,7 @@
 #include "window/bilinear_window.h"
 #include "window/planar_scene.h"
 
-namespace mba_vo::test {
+namespace mba_vo::test::window_jacobian_test {
 namespace {
 
 class WindowJacobian : public ::testing::TestWithParam<Exposure> {};
@@ -214,4 +214,4 @@ TEST_P(WindowJacobian, OfTheVignetteIsThatOfALackingOne) {
 }
 
 }  // namespace
-}  // namespace mba_vo::test
+}  // namespace mba_vo::test::window_jacobian_test

@@ -7,7 +7,7 @@
 #include "mba_vo/window/window.h"
 #include "window/planar_scene.h"
 
-namespace mba_vo {
+namespace mba_vo::window_replacement_test {
 namespace {
 
 /// Two blurred keyframes of the analytic scene, at their true poses, and points of true depths in the first one.
@@ -143,4 +143,4 @@ TEST(WindowReplacement, TryingAnImageChangesNothing) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::window_replacement_test

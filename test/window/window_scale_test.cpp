@@ -7,7 +7,7 @@
 #include "support/random.h"
 #include "window/planar_scene.h"
 
-namespace mba_vo {
+namespace mba_vo::window_scale_test {
 namespace {
 
 constexpr KeyframeId kFrames = 4;
@@ -77,4 +77,4 @@ TEST(WindowScale, IsThatOfTheMeasuredDepths) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::window_scale_test

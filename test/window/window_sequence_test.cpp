@@ -6,7 +6,7 @@
 #include "support/random.h"
 #include "window/planar_scene.h"
 
-namespace mba_vo {
+namespace mba_vo::window_sequence_test {
 namespace {
 
 using test::PlanarScene;
@@ -128,4 +128,4 @@ TEST(WindowSequence, OptimisationsLeaveTheWindowWhereItIs) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::window_sequence_test

@@ -6,7 +6,7 @@
 #include "mba_vo/window/schur_complement.h"
 #include "support/random.h"
 
-namespace mba_vo {
+namespace mba_vo::window_solver_test {
 namespace {
 
 /// A random least-squares problem: `states` camera states, `points` depths, each depth in four residuals of its own,
@@ -127,4 +127,4 @@ TEST(MarginalizationPrior, MovingTheLinearizationPointKeepsTheCost) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::window_solver_test

@@ -8,7 +8,7 @@
 #include "support/random.h"
 #include "window/planar_views.h"
 
-namespace mba_vo {
+namespace mba_vo::window_test {
 namespace {
 
 using test::Disturbance;
@@ -195,4 +195,4 @@ TEST(Window, RefusesImpossibleInput) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::window_test

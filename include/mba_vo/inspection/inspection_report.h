@@ -11,7 +11,7 @@
 namespace mba_vo {
 
 /// Where a camera is found in the recording, as options of the programs; empty = not needed, or there is none.
-struct CameraSource {
+struct RecordedCamera {
   std::string name;              // for people
   std::string image;             // topic
   std::string camera_info;       // topic
@@ -23,7 +23,7 @@ struct CameraSource {
 };
 
 struct CameraReport {
-  CameraSource source;
+  RecordedCamera source;
   CameraFacts facts;
   std::vector<Finding> findings;
 };

@@ -34,7 +34,8 @@ class TrajectoryStore {
   /// From now on the keyframe is where it is relative to a newer one, `base`, wherever that will be.
   void attachKeyframe(MapId map, KeyframeId keyframe, KeyframeId base);
   /// After a loss the map goes on with this keyframe, which is made of the same image as an older one: odometry has
-  /// not led from one to the next.
+  /// not led from one to the next. Throws std::invalid_argument if that is not older, std::out_of_range if there is
+  /// none.
   void continueFrom(MapId map, KeyframeId keyframe, KeyframeId older);
   /// Forgets the frames of a map that are relative to this or later keyframes.
   void forget(MapId map, KeyframeId from_keyframe);

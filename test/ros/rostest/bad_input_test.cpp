@@ -4,7 +4,7 @@
 
 #include "bad_input.h"
 
-namespace mba_vo {
+namespace mba_vo::bad_input_test {
 namespace {
 
 TEST_F(BadInput, NoCalibration) {
@@ -169,7 +169,7 @@ TEST_F(BadInput, SummaryFromAnotherProcessIsReportedAndNotUsed) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::bad_input_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -16,7 +16,7 @@
 
 #include "bad_input.h"
 
-namespace mba_vo {
+namespace mba_vo::bad_topics_test {
 namespace {
 
 TEST_F(BadInput, TopicsOfTheWrongTypeAreNamed) {
@@ -242,4 +242,4 @@ TEST(TrackerAlone, ATransportThatIsNotThereEndsTheStartWithoutACrash) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::bad_topics_test

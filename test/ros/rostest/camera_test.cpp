@@ -12,7 +12,7 @@
 
 #include "io/temporary_folder.h"
 
-namespace mba_vo {
+namespace mba_vo::camera_test {
 namespace {
 
 constexpr double kTimeout = 30.0;  // [s]
@@ -170,7 +170,7 @@ TEST_F(CameraNodeletTest, WhatCannotBeUsedEndsTheStart) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::camera_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

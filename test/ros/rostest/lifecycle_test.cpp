@@ -14,7 +14,7 @@
 #include "robot.h"
 #include "ros/console_lines.h"
 
-namespace mba_vo {
+namespace mba_vo::lifecycle_test {
 namespace {
 
 constexpr std::size_t kUntilMap = 25;  // images that are enough for a map, and some more
@@ -250,7 +250,7 @@ TEST(Lifecycle, PointsOfTheMapAreSavedOnceThereIsOne) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::lifecycle_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

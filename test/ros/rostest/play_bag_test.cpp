@@ -14,7 +14,7 @@
 #include "mba_vo/evaluation/evaluator.h"
 #include "mba_vo/ros/conversions.h"
 
-namespace mba_vo {
+namespace mba_vo::play_bag_test {
 namespace {
 
 constexpr double kRate = 0.5;      // slower than the camera: the test shall also pass on a busy machine
@@ -289,7 +289,7 @@ TEST_F(PlayBag, ResetServiceForgetsTheMap) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::play_bag_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

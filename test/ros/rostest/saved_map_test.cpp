@@ -8,7 +8,7 @@
 
 #include "robot.h"
 
-namespace mba_vo {
+namespace mba_vo::saved_map_test {
 namespace {
 
 constexpr std::size_t kUntilMap = 25;  // images that are enough for a map, and some more
@@ -58,4 +58,4 @@ TEST(Lifecycle, AMapIsSavedAndUsedAgain) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::saved_map_test

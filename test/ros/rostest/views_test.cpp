@@ -11,7 +11,7 @@
 
 #include "robot.h"
 
-namespace mba_vo {
+namespace mba_vo::views_test {
 namespace {
 
 constexpr std::size_t kImages = 35;  // a map, and some keyframes
@@ -118,7 +118,7 @@ TEST(Views, KeyframesAreSharpenedForThoseWhoListenThoughTheMapTakesNone) {
 }
 
 }  // namespace
-}  // namespace mba_vo
+}  // namespace mba_vo::views_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
