@@ -5,8 +5,6 @@
 
 #include <Eigen/QR>
 
-#include "mba_vo/image/parallel_for.h"
-
 namespace mba_vo {
 namespace {
 
@@ -116,14 +114,14 @@ bool RoomBuilder::attempt(const std::function<void()>& add) {
 }
 
 Scene RoomBuilder::build() {
-  std::vector<cv::Mat1f> images(textures_.size());
-  parallelFor(textures_.size(), [&](std::size_t i) {
-    cv::RNG random(textures_[i].second);
-    images[i] = paintPattern(textures_[i].first, kTextureSide, random);
-  });
   Scene scene;
   scene.surfaces = std::move(surfaces_);
-  for (const cv::Mat1f& image : images) scene.textures.emplace_back(image);
+  for (const auto& [pattern, state] : textures_) {
+    scene.textures.emplace_back([pattern = pattern, state = state] {
+      cv::RNG random(state);
+      return Texture(paintPattern(pattern, kTextureSide, random));
+    });
+  }
   return scene;
 }
 

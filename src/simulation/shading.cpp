@@ -80,6 +80,7 @@ MBA_VO_MULTIVERSION void shade(const RayBlock& block, const ProjectedSurface& pr
                                float* light) {
   const TextureCoordinates at(block, projected);
   const Surface& surface = *projected.surface;
+  const Texture& texture = projected.texture->get();
   const auto scale_u = static_cast<float>(surface.scale_u), scale_v = static_cast<float>(surface.scale_v);
   const auto offset_u = static_cast<float>(surface.offset_u), offset_v = static_cast<float>(surface.offset_v);
   const auto& c = surface.light;
@@ -91,8 +92,8 @@ MBA_VO_MULTIVERSION void shade(const RayBlock& block, const ProjectedSurface& pr
     float reflectance = 0.0F;
     for (int probe = 0; probe < at.probes; ++probe) {
       const float along = (static_cast<float>(probe) + 0.5F) * share - 0.5F;
-      reflectance += projected.texture->sample((u + along * at.du[i]) * scale_u + offset_u,
-                                               (v + along * at.dv[i]) * scale_v + offset_v, at.lod[i]);
+      reflectance += texture.sample((u + along * at.du[i]) * scale_u + offset_u,
+                                    (v + along * at.dv[i]) * scale_v + offset_v, at.lod[i]);
     }
     const float lamp = c[0] + u * (c[1] + c[3] * u + c[4] * v) + v * (c[2] + c[5] * v);
     light[i] += (weights != nullptr ? weights[i] : 1.0F) * share * reflectance * lamp;

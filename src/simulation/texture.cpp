@@ -6,13 +6,13 @@
 
 namespace mba_vo {
 
-Texture::Texture(const cv::Mat1f& image) : size_(image.cols), last_level_(0) {
+Texture::Texture(const cv::Mat1f& image) : last_level_(0) {
   if (image.rows != image.cols || image.cols < 1 || (image.cols & (image.cols - 1)) != 0) {
     throw std::invalid_argument("texture: the image must be square with a side that is a power of two, got " +
                                 std::to_string(image.cols) + "x" + std::to_string(image.rows));
   }
   int shift = 0;
-  while ((1 << shift) < size_) ++shift;
+  while ((1 << shift) < image.cols) ++shift;
   last_level_ = shift;
   cv::Mat1f level = image;
   for (int i = 0; i <= last_level_; ++i, --shift) {

@@ -1,4 +1,6 @@
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -63,14 +65,14 @@ TEST(Distortion, PointsLandWhereOpenCvProjectsThem) {
         const double y = (i / 64 - 31.5) / 8.0;
         bump(i / 64, i % 64) = static_cast<float>(std::exp(-0.5 * (x * x + y * y)));
       }
-      scene.textures.emplace_back(bump);
+      scene.textures.emplace_back([bump] { return Texture(bump); });
       constexpr double kHalf = 0.06;  // [m]
       const double z = 1.7;
       Surface lamp = facing(at.x() - kHalf, at.y() - kHalf, at.x() + kHalf, at.y() + kHalf, z, 3);
       lamp.scale_u = lamp.scale_v = 64.0 / (2.0 * kHalf);
       lamp.offset_u = lamp.offset_v = -0.5;
       scene.surfaces = {facing(-9.0, -9.0, 9.0, 9.0, 2.0, 0), lamp};
-      const Renderer renderer(std::make_shared<const Scene>(scene), calibration, {});
+      const Renderer renderer(std::make_shared<const Scene>(std::move(scene)), calibration, {});
       const cv::Point2d seen = centroid(renderer.integrate(slide({0, 0, 0}), 0.0, 0.0));
       const cv::Point2d expected = projectByOpenCv(calibration, {at.x(), at.y(), z});
       EXPECT_LT(cv::norm(seen - expected), 0.03)

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -15,8 +17,8 @@ constexpr double kExposure = 0.02;  // [s]
 
 CameraCalibration calibration() { return {160, 120, kFocal, kFocal, 79.5, 59.5, "plumb_bob", {}}; }
 
-Renderer makeRenderer(const Scene& scene, const RendererConfig& config = {}) {
-  return Renderer(std::make_shared<const Scene>(scene), calibration(), config);
+Renderer makeRenderer(Scene&& scene, const RendererConfig& config = {}) {
+  return Renderer(std::make_shared<const Scene>(std::move(scene)), calibration(), config);
 }
 
 /// Mean of a row of samples over [x - length/2, x + length/2], the samples joined by straight lines.
@@ -37,9 +39,10 @@ TEST(Renderer, BlurOfATranslationIsTheBoxFilterOfTheSharpImage) {
   const double z = 2.0;
   scene.surfaces = {facing(-4.0, -4.0, 4.0, 4.0, z, 2)};
   scene.surfaces[0].scale_u = scene.surfaces[0].scale_v = 50.0;  // coarser than a pixel: no mip-mapping
-  const Renderer renderer = makeRenderer(scene);
+  const auto shared_scene = std::make_shared<const Scene>(std::move(scene));
+  const Renderer renderer(shared_scene, calibration(), {});
   const CameraCalibration fine{640, 120, 4.0 * kFocal, kFocal, 4.0 * 80.0 - 0.5, 59.5, "plumb_bob", {}};
-  const Renderer fine_renderer(std::make_shared<const Scene>(scene), fine, {});
+  const Renderer fine_renderer(shared_scene, fine, {});
   for (const double blur : {3.0, 12.0, 20.5}) {
     const PoseFunction pose = slide({blur * z / kFocal / kExposure, 0.0, 0.0});
     const cv::Mat1f sharp = fine_renderer.integrate(pose, 0.0, 0.0);  // four times as many columns
@@ -61,7 +64,7 @@ TEST(Renderer, BlurOfATranslationIsTheBoxFilterOfTheSharpImage) {
 TEST(Renderer, MovingEdgeBecomesAnExactRampAlsoAtAnOcclusion) {
   Scene scene = emptyScene();
   scene.surfaces = {facing(-4.0, -4.0, 4.0, 4.0, 2.0, 0), facing(0.0, -4.0, 4.0, 4.0, 1.0, 1)};
-  const Renderer renderer = makeRenderer(scene);
+  const Renderer renderer = makeRenderer(std::move(scene));
   const double blur = 10.0;
   const cv::Mat1f image = renderer.integrate(slide({blur / kFocal / kExposure, 0.0, 0.0}), 0.0, kExposure);
   const double edge = 79.5;  // image of x = 0 at mid-exposure
@@ -86,7 +89,7 @@ TEST(Renderer, SharpEdgesAreAntiAliased) {
   square.axis_u = {std::cos(angle), std::sin(angle), 0.0};
   square.axis_v = {std::sin(angle), -std::cos(angle), 0.0};
   scene.surfaces = {facing(-4.0, -4.0, 4.0, 4.0, 3.0, 0), square};
-  const cv::Mat1f image = makeRenderer(scene).integrate(slide({0, 0, 0}), 0.0, 0.0);
+  const cv::Mat1f image = makeRenderer(std::move(scene)).integrate(slide({0, 0, 0}), 0.0, 0.0);
   const double area = std::pow(0.3 * kFocal / 2.0, 2);  // [px^2]
   EXPECT_NEAR(cv::sum(image)[0] / (0.8 * 255.0), area, 1e-3 * area);
   EXPECT_GT(cv::countNonZero((image > 20.0F) & (image < 180.0F)), 60);
@@ -137,7 +140,7 @@ TEST(Renderer, NoSubFrameStepAboveHalfAPixel) {
 TEST(Renderer, NearerSurfacesHideFartherOnes) {
   Scene scene = emptyScene();
   scene.surfaces = {facing(-0.2, -0.2, 0.2, 0.2, 1.0, 1), facing(-4.0, -4.0, 4.0, 4.0, 2.0, 0)};
-  const Renderer renderer = makeRenderer(scene);
+  const Renderer renderer = makeRenderer(std::move(scene));
   const cv::Mat1f depth = renderer.depth(slide({0, 0, 0}), 0.0);
   for (int y = 0; y < 120; ++y) {
     for (int x = 0; x < 160; ++x) {
@@ -152,7 +155,7 @@ TEST(Renderer, RollingShutterShearsBySpeedTimesRowTime) {
   scene.surfaces = {facing(-4.0, -4.0, 4.0, 4.0, 2.0, 0), facing(0.0, -4.0, 4.0, 4.0, 2.0 - 1e-6, 1)};
   const double speed = 1.5;       // [m/s]
   const double row_time = 40e-6;  // [s]
-  const Renderer renderer = makeRenderer(scene, {0.5, row_time});
+  const Renderer renderer = makeRenderer(std::move(scene), {0.5, row_time});
   for (const double exposure : {0.0, 0.004}) {
     const cv::Mat1f image = renderer.integrate(slide({speed, 0.0, 0.0}), 0.0, exposure);
     for (int y = 0; y < 120; ++y) {

@@ -10,8 +10,7 @@ namespace mba_vo {
 /// Light of 255 on everything, texture 0 black, 1 white, 2 noise of many scales.
 inline Scene emptyScene() {
   Scene scene;
-  scene.textures.emplace_back(cv::Mat1f(2, 2, 0.0F));
-  scene.textures.emplace_back(cv::Mat1f(2, 2, 0.8F));
+  for (const float tone : {0.0F, 0.8F}) scene.textures.emplace_back([tone] { return Texture(cv::Mat1f(2, 2, tone)); });
   cv::Mat1f noise(256, 256, 0.5F);
   cv::RNG random(7);
   for (int cells = 8; cells <= 128; cells *= 2) {
@@ -22,7 +21,7 @@ inline Scene emptyScene() {
       }
     }
   }
-  scene.textures.emplace_back(noise);
+  scene.textures.emplace_back([noise] { return Texture(noise); });
   return scene;
 }
 

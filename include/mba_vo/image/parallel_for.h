@@ -8,6 +8,7 @@
 #include <vector>
 #else
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 #endif
 
 namespace mba_vo {
@@ -31,6 +32,16 @@ void parallelFor(std::size_t count, const Body& body) {
   for (std::thread& thread : threads) thread.join();
 #else
   tbb::parallel_for(std::size_t{0}, count, body);
+#endif
+}
+
+/// Calls body(); a loop in it that waits for its threads takes up no work from outside.
+template <typename Body>
+void isolated(const Body& body) {
+#ifdef __SANITIZE_THREAD__
+  body();
+#else
+  tbb::this_task_arena::isolate(body);
 #endif
 }
 

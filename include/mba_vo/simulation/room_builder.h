@@ -59,7 +59,7 @@ class RoomBuilder {
   /// Adds what `add` adds, or nothing if a part of it is forbidden; false then.
   bool attempt(const std::function<void()>& add);
 
-  /// Paints the textures and hands the scene over.
+  /// Hands the scene over.
   Scene build();
 
  private:

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "mba_vo/image/lazy.h"
 #include "mba_vo/simulation/texture.h"
 
 namespace mba_vo {
@@ -33,7 +35,7 @@ struct Surface {
 /// World frame: z up, floor at z = 0, the camera moves around the origin of x and y.
 struct Scene {
   std::vector<Surface> surfaces;
-  std::vector<Texture> textures;
+  std::deque<Lazy<Texture>> textures;  // painted when first seen: never, where frames are cached
 };
 
 /// Box in which a camera may move without touching anything.

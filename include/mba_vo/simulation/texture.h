@@ -13,8 +13,6 @@ class Texture {
   /// `image`: square, side a power of two, values in [0, 1].
   explicit Texture(const cv::Mat1f& image);
 
-  int size() const { return size_; }
-
   /// Reflectance at (s, t) [texels of the finest level, centres at integers], filtered to texels of size 2^lod.
   float sample(float s, float t, float lod) const {
     if (lod <= 0.0F) return bilinear(0, s, t);
@@ -55,7 +53,6 @@ class Texture {
     return (top + fy * (bottom - top)) * (1.0F / 65535.0F);
   }
 
-  int size_;
   int last_level_;
   std::vector<Level> levels_;
   std::vector<std::uint16_t> texels_;

@@ -37,7 +37,7 @@ struct ProjectedSurface {
   LinearForm ray_v;
   float plane_distance;  // of the camera from the plane [m]
   const Surface* surface;
-  const Texture* texture;
+  const Lazy<Texture>* texture;
 };
 
 using View = std::vector<ProjectedSurface>;
