@@ -38,6 +38,8 @@ endfunction()
 # Conversions, bag reading and writing: everything that needs no ROS master.
 file(GLOB MBA_VO_ROS_SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/ros/*.cpp)
 add_library(mba_vo_ros STATIC ${MBA_VO_ROS_SOURCES})
+set_source_files_properties(src/ros/intra_process_messages.cpp PROPERTIES
+  SKIP_UNITY_BUILD_INCLUSION ON)  # test/package/reuse_object.sh tells it by its name
 mba_vo_ros_target(mba_vo_ros)
 target_link_libraries(mba_vo_ros PUBLIC mba_vo_capture mba_vo_inspection mba_vo_simulation ${catkin_LIBRARIES})
 

@@ -11,6 +11,7 @@ mark='<!-- options: scripts/describe_configuration.sh -->'
 # option: when to change it
 # shellcheck disable=SC2016  # backticks of Markdown
 for_users='
+image.binning: 2, on a machine that is known to be slow; 1, where images are large and every tenth of a millimetre counts
 image.gamma: the camera cannot be set to linear light; `mba_vo_check` names a gamma
 image.response_file: the response is calibrated; counts instead of the gamma
 image.vignette_file: the vignette is calibrated; without, dark corners are found with the first map

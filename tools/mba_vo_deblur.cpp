@@ -273,6 +273,7 @@ void run(const Arguments& a) {
   mba_vo::OdometryConfig config;
   if (!a.config_file.empty()) config = mba_vo::loadConfig(a.config_file);
   mba_vo::finalize(config);
+  config.image.binning = 1;  // sharp images are as large as the camera's
   config.mapper.deblur.method = a.method;
   if (a.frames > 0) config.mapper.deblur.trajectory.frames = a.frames;
   mba_vo::DatasetOptions form;

@@ -18,7 +18,7 @@ bool CalibrationCorrection::operator==(const CalibrationCorrection& o) const { r
 
 bool CalibrationCorrection::isZero() const { return values.isZero(0.0); }
 
-bool CalibrationCorrection::correctsLens() const { return !values.head<kRowTime>().isZero(0.0); }
+bool CalibrationCorrection::correctsLens() const { return !values.head<kReadout>().isZero(0.0); }
 
 bool CalibrationCorrection::correctsVignette() const { return !vignette().isZero(0.0); }
 
@@ -37,13 +37,13 @@ bool isNoticeable(const CalibrationCorrection& correction, const PinholeCamera& 
   const double in_corner = correction.vignette().sum();
   const double halfway = correction.vignette().dot(CalibrationCorrection::Vignette(0.5, 0.25, 0.125));
   return shift.norm() > kNoticeableShift || std::max(std::abs(in_corner), std::abs(halfway)) > kNoticeableLight ||
-         std::abs(correction[CalibrationCorrection::kRowTime]) * camera.height > kNoticeableReadout;
+         std::abs(correction[CalibrationCorrection::kReadout]) > kNoticeableReadout;
 }
 
 CalibrationCorrection pinholePart(const CalibrationCorrection& correction, const PinholeCamera& camera) {
   CalibrationCorrection part;
   for (const auto i :
-       {CalibrationCorrection::kCentreX, CalibrationCorrection::kCentreY, CalibrationCorrection::kRowTime}) {
+       {CalibrationCorrection::kCentreX, CalibrationCorrection::kCentreY, CalibrationCorrection::kReadout}) {
     part.values(i) = correction[i];
   }
   double squares = 0.0;
@@ -67,7 +67,7 @@ PinholeCamera withCorrection(const PinholeCamera& camera, const CalibrationCorre
   corrected.cy += camera.fy * lacking[CalibrationCorrection::kCentreY];
   corrected.fx *= 1.0 + lacking[CalibrationCorrection::kFocal];
   corrected.fy *= 1.0 + lacking[CalibrationCorrection::kFocal];
-  corrected.row_time += lacking[CalibrationCorrection::kRowTime];
+  corrected.row_time += lacking[CalibrationCorrection::kReadout] / camera.height;
   return corrected;
 }
 
@@ -78,7 +78,7 @@ Eigen::Matrix<double, 2, CalibrationCorrection::kDim> lensJacobian(const Pinhole
   const double r2 = x * x + y * y;
   Eigen::Matrix<double, 2, CalibrationCorrection::kDim> J;
   J.setZero();
-  J.leftCols<CalibrationCorrection::kRowTime>() << x, 1.0, 0.0, x * r2, x * r2 * r2,  //
+  J.leftCols<CalibrationCorrection::kReadout>() << x, 1.0, 0.0, x * r2, x * r2 * r2,  //
       y, 0.0, 1.0, y * r2, y * r2 * r2;
   J.row(0) *= camera.fx;
   J.row(1) *= camera.fy;

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "mba_vo/image/binning.h"
 #include "mba_vo/image/rectifier.h"
 #include "mba_vo/image/saturation.h"
 #include "mba_vo/image/static_overlay.h"
@@ -52,14 +53,16 @@ class FrameBuilder::Impl {
  public:
   Impl(const CameraCalibration& calibration, const PhotometricCalibration& photometric,
        const FrameBuilderConfig& config)
-      : calibration_(calibration),
-        rectifier_(calibration),
-        correction_(photometric, config.gamma, {calibration.width, calibration.height}),
-        masked_(unusedPixels(photometric, config, {calibration.width, calibration.height})),
+      : size_(calibration.width, calibration.height),
+        binning_(binningOf(config.binning, calibration)),
+        binned_(binned(calibration, binning_)),
+        rectifier_(binned_),
+        correction_(photometric, config.gamma, size_),
+        masked_(unusedPixels(photometric, config, size_)),
         unused_(masked_),
         levels_(config.pyramid_levels),
         camera_(rectifier_.camera()),
-        row_time_(config.row_time) {
+        row_time_(binning_ * config.row_time) {
     camera_.row_time = row_time_;
     if (levels_ < 1) {
       throw std::invalid_argument("pyramid_levels is " + std::to_string(levels_) + ", must be at least 1");
@@ -72,13 +75,13 @@ class FrameBuilder::Impl {
 
   void correct(const CalibrationCorrection& correction) {
     if (correction == calibration_correction_) return;
-    if (correction.values.head<CalibrationCorrection::kRowTime>() !=
-        calibration_correction_.values.head<CalibrationCorrection::kRowTime>()) {
-      rectifier_ = Rectifier(calibration_, correction);
+    if (correction.values.head<CalibrationCorrection::kReadout>() !=
+        calibration_correction_.values.head<CalibrationCorrection::kReadout>()) {
+      rectifier_ = Rectifier(binned_, correction);
     }
     calibration_correction_ = correction;
     inverse_vignette_ = inverseVignette(camera_, correction);
-    camera_.row_time = row_time_ + correction[CalibrationCorrection::kRowTime];
+    camera_.row_time = row_time_ + correction[CalibrationCorrection::kReadout] / camera_.height;
   }
 
   void setWhiteLevel(double white_level) { white_level_ = white_level; }
@@ -95,7 +98,7 @@ class FrameBuilder::Impl {
     requireSize("image", image);
     cv::Mat1f seen = correction_.apply(image, white_level_);
     if (!unused_.empty()) seen.setTo(std::numeric_limits<float>::quiet_NaN(), unused_);
-    cv::Mat1f light = rectifier_.rectify(seen);
+    cv::Mat1f light = rectifier_.rectify(binned(seen, binning_));
     if (!inverse_vignette_.empty()) light = light.mul(inverse_vignette_);
     if (gain_ != 1.0) light *= gain_;
     ImagePyramid pyramid(light, camera(), levels_, gain_);
@@ -106,7 +109,7 @@ class FrameBuilder::Impl {
   cv::Mat1f makeDepth(const cv::Mat1f& depth) const {
     if (depth.empty()) return {};
     requireSize("depth image", depth);
-    return rectifier_.rectifyDepth(depth);
+    return rectifier_.rectifyDepth(binnedDepth(depth, binning_));
   }
 
  private:
@@ -117,16 +120,18 @@ class FrameBuilder::Impl {
     if (cv::countNonZero(saturated) < kOverexposed * static_cast<double>(saturated.total())) return;
     cv::Mat1f unknown(image.size(), 0.0F);
     unknown.setTo(std::numeric_limits<float>::quiet_NaN(), saturated);
-    finest += rectifier_.rectify(unknown);
+    finest += rectifier_.rectify(binned(unknown, binning_));
   }
 
   void requireSize(const char* what, const cv::Mat& image) const {
-    if (image.cols == camera().width && image.rows == camera().height) return;
+    if (image.size() == size_) return;
     throw std::invalid_argument(std::string(what) + " is " + sizeOf(image) + ", the camera calibration says " +
-                                std::to_string(camera().width) + "x" + std::to_string(camera().height));
+                                std::to_string(size_.width) + "x" + std::to_string(size_.height));
   }
 
-  CameraCalibration calibration_;
+  cv::Size size_;  // of the camera's images
+  int binning_;
+  CameraCalibration binned_;
   Rectifier rectifier_;
   PhotometricCorrection correction_;
   cv::Mat1b masked_;                       // 255 where the mask says that pixels are not used; empty = nowhere
@@ -136,7 +141,7 @@ class FrameBuilder::Impl {
   double gain_ = 1.0;
   int levels_;
   PinholeCamera camera_;
-  double row_time_;  // as configured [s]
+  double row_time_;  // as configured, of binned rows [s]
   CalibrationCorrection calibration_correction_;
   cv::Mat1f inverse_vignette_;  // of the correction; empty = none
 };

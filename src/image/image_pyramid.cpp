@@ -42,11 +42,7 @@ ImagePyramid::ImagePyramid(const cv::Mat1f& intensity, const PinholeCamera& came
 }
 
 void ImagePyramid::correctCamera(const CalibrationCorrection& lacking) {
-  CalibrationCorrection at_level = lacking;
-  for (ImageLevel& level : levels_) {
-    level.camera = withCorrection(level.camera, at_level);
-    at_level.values(CalibrationCorrection::kRowTime) *= 2.0;
-  }
+  for (ImageLevel& level : levels_) level.camera = withCorrection(level.camera, lacking);
 }
 
 std::size_t ImagePyramid::bytes() const {

@@ -13,19 +13,19 @@ bool changedNothing(const CalibrationStudy& study, const OfflineOptions& before)
          (change.cwiseAbs().array() <= study.estimate.sigma().array()).all();
 }
 
-/// Whether rows are exposed one after another, as far as the estimate is sure: steps of the other numbers take the row
-/// time along by microseconds.
-bool isRolling(const CalibrationEstimate& estimate, double told_row_time) {
-  constexpr auto kRow = CalibrationCorrection::kRowTime;
-  return std::abs(told_row_time + estimate.correction[kRow]) > 3.0 * estimate.sigma()(kRow);
+/// Whether rows are exposed one after another, as far as the estimate is sure: steps of the other numbers take the
+/// read-out time along by microseconds.
+bool isRolling(const CalibrationEstimate& estimate, double told_readout) {
+  constexpr auto kReadout = CalibrationCorrection::kReadout;
+  return std::abs(told_readout + estimate.correction[kReadout]) > 3.0 * estimate.sigma()(kReadout);
 }
 
 }  // namespace
 
 CalibrationCorrection CalibrationStudy::correction() const {
   CalibrationCorrection correction = estimate.correction;
-  if (!last.correction.correctsLens()) correction.values.head<CalibrationCorrection::kRowTime>().setZero();
-  if (last.correction[CalibrationCorrection::kRowTime] == 0.0) correction.values(CalibrationCorrection::kRowTime) = 0.0;
+  if (!last.correction.correctsLens()) correction.values.head<CalibrationCorrection::kReadout>().setZero();
+  if (last.correction[CalibrationCorrection::kReadout] == 0.0) correction.values(CalibrationCorrection::kReadout) = 0.0;
   if (!last.correction.correctsVignette()) correction.values.tail<CalibrationCorrection::kVignetteDim>().setZero();
   return correction;
 }
@@ -42,7 +42,8 @@ CalibrationStudy studyCalibration(const CalibratedRun& run, OfflineOptions optio
     ++study.passes;
     const std::vector<KeyframeReport>& keyframes = study.last.log.keyframes();
     camera.rolling = false;
-    camera.rolling = isRolling(estimateCalibration(keyframes, keyframes.size(), camera), options.config.image.row_time);
+    const double readout = reader->calibration().height * options.config.image.row_time;
+    camera.rolling = isRolling(estimateCalibration(keyframes, keyframes.size(), camera), readout);
     study.estimate = estimateCalibration(keyframes, keyframes.size(), camera);
     if (study.estimate.windows == 0) {
       throw std::runtime_error("no map held long enough to tell anything about the camera");

@@ -50,7 +50,7 @@ void writeSensor(const std::string& file, const ToldCamera& told, const CameraCa
   FrameBuilderConfig image = told.image;
   image.learnt_file = file;
   CalibrationCorrection rest = correction;
-  rest.values.head<Correction::kRowTime>().setZero();
+  rest.values.head<Correction::kReadout>().setZero();
   CameraMemory memory(image);
   memory.recall(camera);
   memory.keep(rest);
@@ -70,7 +70,7 @@ std::vector<CalibratedNumber> calibratedNumbers(const ToldCamera& told, const Ca
       number(Correction::kCentreY, "centre y", "px", c.cy, c.fy),
       number(Correction::kK1, "further k1", "", 0.0, 1.0),
       number(Correction::kK2, "further k2", "", 0.0, 1.0),
-      number(Correction::kRowTime, "row time", "us", kMicro * told.image.row_time, kMicro)};
+      number(Correction::kReadout, "row time", "us", kMicro * told.image.row_time, kMicro / c.height)};
   if (told.image.vignette_file.empty()) {
     const auto [light, sigma] = lightAt(1.0, estimate);
     numbers.push_back({"light in the corners", "%", kPercent, kPercent * light, kPercent * sigma});

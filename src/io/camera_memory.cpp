@@ -14,7 +14,7 @@ namespace {
 
 using Correction = CalibrationCorrection;
 
-constexpr int kVersion = 1;  // of the file
+constexpr int kVersion = 2;  // of the file
 
 /// To what camera, and to what told of it, a correction belongs.
 YAML::Node describe(const CameraCalibration& c, const FrameBuilderConfig& image) {
@@ -98,7 +98,7 @@ void CameraMemory::keep(const CalibrationCorrection& correction) {
   root["correction"] = std::vector<double>(correction.values.data(), correction.values.data() + Correction::kDim);
   replaceFile(image_.learnt_file, [&](std::ostream& out) {
     out << "# What mba_vo has learnt of this camera. Delete the file to begin anew.\n"
-        << "# correction: focal length (relative), centre x, y (focal lengths), k1, k2, row time [s], and the "
+        << "# correction: focal length (relative), centre x, y (focal lengths), k1, k2, time of read-out [s], and the "
            "vignette's\n"
         << "# v1, v2, v3: log of the light = v1 q + v2 q^2 + v3 q^3, q the squared radius, 1 in the corners.\n"
         << textOf(root) << "\n";

@@ -35,7 +35,7 @@ void writeCalibration(const OfflineResult& result, std::ostream& out) {
   out << "restarts: " << result.restarts << "\n";
   out << "calibration_correction: {focal: " << c[Correction::kFocal] << ", centre_x: " << c[Correction::kCentreX]
       << ", centre_y: " << c[Correction::kCentreY] << ", k1: " << c[Correction::kK1] << ", k2: " << c[Correction::kK2]
-      << ", row_time: " << c[Correction::kRowTime] << ", vignette: [" << c[Correction::kV1] << ", "
+      << ", readout_time: " << c[Correction::kReadout] << ", vignette: [" << c[Correction::kV1] << ", "
       << c[Correction::kV2] << ", " << c[Correction::kV3] << "]}\n";
 }
 

@@ -16,13 +16,13 @@ constexpr double kSignificant = 12.6;  // chi^2 of a step worth taking
 // The same of three. Right cameras took steps of up to 0.6 % of the light; true vignettes a first one of 8 to 20 %.
 constexpr double kSignificantVignette = 7.8;
 // Five standard deviations: what is not told of a shutter is far from what was taken for it, or right.
-constexpr double kSignificantRowTime = 25.0;
+constexpr double kSignificantReadout = 25.0;
 constexpr int kVignette = CalibrationCorrection::kVignetteDim;
-constexpr int kRow = CalibrationCorrection::kRowTime;
+constexpr int kReadout = CalibrationCorrection::kReadout;
 
 CalibrationCorrection::Vector priorSigma() {
   CalibrationCorrection::Vector sigma;
-  sigma << 0.03, 0.02, 0.02, 0.05, 0.05, 3e-5, 0.5, 0.5, 0.5;
+  sigma << 0.03, 0.02, 0.02, 0.05, 0.05, 0.015, 0.5, 0.5, 0.5;
   return sigma;
 }
 
@@ -37,7 +37,7 @@ bool CalibrationEstimator::add(const CalibrationSystem& system) {
     sum_.b.tail<kVignette>().setZero();
   }
   ++windows_;
-  if (correctVignette() || correctRowTime() || (windows_ >= kLeastWindows && correctGeometry())) {
+  if (correctVignette() || correctReadout() || (windows_ >= kLeastWindows && correctGeometry())) {
     sum_ = {};
     windows_ = 0;
     return true;
@@ -65,14 +65,15 @@ bool CalibrationEstimator::correctVignette() {
   return true;
 }
 
-/// Of the row time alone, whatever the rest is: a map that is made without it goes wrong from the beginning.
-bool CalibrationEstimator::correctRowTime() {
-  if (correction_.values(kRow) != 0.0) return false;
+/// Of the read-out time alone, whatever the rest is: a map that is made without it goes wrong from the beginning.
+bool CalibrationEstimator::correctReadout() {
+  if (correction_.values(kReadout) != 0.0) return false;
   const CalibrationSystem system = withPrior();
-  const CalibrationCorrection::Vector covariances = system.H.ldlt().solve(CalibrationCorrection::Vector::Unit(kRow));
+  const CalibrationCorrection::Vector covariances =
+      system.H.ldlt().solve(CalibrationCorrection::Vector::Unit(kReadout));
   const double step = -covariances.dot(system.b);
-  if (!(step * step > kSignificantRowTime * covariances(kRow))) return false;
-  correction_.values(kRow) += step;
+  if (!(step * step > kSignificantReadout * covariances(kReadout))) return false;
+  correction_.values(kReadout) += step;
   return true;
 }
 
@@ -80,11 +81,11 @@ bool CalibrationEstimator::correctRowTime() {
 /// otherwise.
 bool CalibrationEstimator::correctGeometry() {
   CalibrationSystem system = withPrior();
-  if (correction_.values(kRow) == 0.0) {
-    system.H.row(kRow).setZero();
-    system.H.col(kRow).setZero();
-    system.H(kRow, kRow) = 1.0;
-    system.b(kRow) = 0.0;
+  if (correction_.values(kReadout) == 0.0) {
+    system.H.row(kReadout).setZero();
+    system.H.col(kReadout).setZero();
+    system.H(kReadout, kReadout) = 1.0;
+    system.b(kReadout) = 0.0;
   }
   const CalibrationCorrection::Vector step = -system.H.ldlt().solve(system.b);
   if (!(step.dot(system.H * step) > kSignificant)) return false;

@@ -57,7 +57,8 @@ void Mapper::Impl::beginCalibration(const CalibrationCorrection& known) {
 
 void Mapper::Impl::adoptRowTime(InitialMap& initial) {
   CalibrationCorrection correction = calibration_->correction();
-  correction.values(CalibrationCorrection::kRowTime) += initial.row_time;
+  correction.values(CalibrationCorrection::kReadout) +=
+      initial.row_time * initial.reference->pyramid.level(0).camera.height;
   beginCalibration(correction);
   initial.reference = withCamera(initial.reference, correction);
   for (InitialMap::Pose& pose : initial.poses) pose.frame = withCamera(pose.frame, correction);

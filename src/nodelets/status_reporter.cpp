@@ -54,6 +54,9 @@ void StatusReporter::imageTracked(const TrackedFrame& tracked, const std::string
   status_.header.stamp = toRosTime(tracked.frame->stamp_ns);
   status_.reason = tracked.reason;
   status_.tf_predicted = tf_predicted;
+  const PinholeCamera& camera = tracked.frame->pyramid.level(0).camera;
+  status_.image_width = static_cast<std::uint32_t>(camera.width);
+  status_.image_height = static_cast<std::uint32_t>(camera.height);
   status_.tracking_ms = tracked.tracking_ms;
   status_.exposure_source = exposure_source;
   status_.exposure = exposureToMessage(tracked.frame->exposure);

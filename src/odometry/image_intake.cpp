@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "mba_vo/image/binning.h"
 #include "mba_vo/image/image_content.h"
 #include "mba_vo/image/image_noise.h"
 
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double kLongestRepeat = 0.15;  // [s] after which the camera may be anywhere,
 constexpr int kFewRepeats = 2;           // unless it is so slow that these last longer
+constexpr int kLeastWidth = 300;         // [px] left of an image that is halved
 
 void append(std::string& text, const std::string& more) {
   if (!more.empty()) text += (text.empty() ? "" : "; ") + more;
@@ -23,15 +25,17 @@ void append(std::string& text, const std::string& more) {
 
 ImageIntake::ImageIntake(const FrameBuilderConfig& config, PhotometricCalibration photometric, bool in_background)
     : config_(config),
+      chooses_binning_(config.binning == 0),
       photometric_(std::move(photometric)),
       in_background_(in_background),
       white_level_(config.white_level) {}
 
 void ImageIntake::setCalibration(const CameraCalibration& calibration, const CalibrationCorrection& known) {
+  next_builder_ = {};
   calibration_ = calibration;
   correction_ = start_ = known;
-  next_builder_ = {};
-  builder_ = makeBuilder(correction_);
+  if (chooses_binning_) config_.binning = binningOf(0, calibration);
+  builder_ = makeBuilder(config_, correction_);
   repeats_.ignore(builder_->unused());
 }
 
@@ -99,13 +103,23 @@ void ImageIntake::build(const CameraImage& image, std::int64_t stamp_shift_ns, c
 bool ImageIntake::correct(const CalibrationCorrection& correction) {
   if (!builder_ || correction == correction_) return false;
   correction_ = correction;
-  if (!in_background_) {
+  if (in_background_) {
+    prepareBuilder();
+  } else {
     builder_->correct(correction);
-    return true;
   }
-  // Making its maps takes longer than tracking an image: images go on being made as before meanwhile.
-  next_builder_ = std::async(std::launch::async, [this, correction] { return makeBuilder(correction); });
   return true;
+}
+
+std::string ImageIntake::halve() {
+  if (!builder_ || !chooses_binning_ || calibration_->width < 2 * config_.binning * kLeastWidth) return "";
+  config_.binning *= 2;
+  prepareBuilder();
+  if (!in_background_) next_builder_.wait();
+  std::ostringstream text;
+  text << "images are worked on at " << calibration_->width / config_.binning << "x"
+       << calibration_->height / config_.binning << " from now on: they come faster than they can be tracked";
+  return text.str();
 }
 
 void ImageIntake::reset() {
@@ -115,15 +129,25 @@ void ImageIntake::reset() {
   white_level_ = WhiteLevel(config_.white_level);
   gain_ = {};
   overlay_ = {};
+  const bool pending = next_builder_.valid();
   next_builder_ = {};
   correction_ = start_;
+  if (pending) builder_ = makeBuilder(config_, correction_);
   if (!builder_) return;
   builder_->correct(correction_);
   builder_->setOverlay({});
 }
 
-std::unique_ptr<FrameBuilder> ImageIntake::makeBuilder(const CalibrationCorrection& correction) const {
-  auto builder = std::make_unique<FrameBuilder>(*calibration_, photometric_, config_);
+/// Making its maps takes longer than tracking an image: images go on being made as before meanwhile.
+void ImageIntake::prepareBuilder() {
+  next_builder_ = std::async(std::launch::async, [this, config = config_, correction = correction_] {
+    return makeBuilder(config, correction);
+  });
+}
+
+std::unique_ptr<FrameBuilder> ImageIntake::makeBuilder(const FrameBuilderConfig& config,
+                                                       const CalibrationCorrection& correction) const {
+  auto builder = std::make_unique<FrameBuilder>(*calibration_, photometric_, config);
   builder->correct(correction);
   return builder;
 }

@@ -145,15 +145,22 @@ TrackerStep TrackerPipeline::takeFrame(const FrameConstPtr& frame) {
   return step;
 }
 
+/// While frames of the past are caught up with, images wait on every machine.
+std::string TrackerPipeline::relieve() {
+  if (loop_.phase() != TrackingPhase::kTracking || !load_.isTooHigh(!queue_.empty())) return "";
+  return intake_.halve();
+}
+
 TrackerStep TrackerPipeline::takeImage(const CameraImage& image) {
   late_since_image_ = false;
   TrackerStep step = stepOf(image);
   in_work_ = step;
+  const std::string halved = relieve();
   const ImageIntake::Result taken = intake_.take(image);
   step.build_ms = taken.build_ms;
   if (taken.clock_restarted) beginSession();
   step.began_anew = taken.clock_restarted;
-  step.reason = taken.reason;
+  step.reason = halved.empty() ? taken.reason : taken.reason.empty() ? halved : taken.reason + "; " + halved;
   camera_frame_ = image.camera_frame;
   step.contradicts_calibration = taken.contradicts_calibration;
   if (taken.frame) {

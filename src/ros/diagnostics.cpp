@@ -92,6 +92,7 @@ void diagnoseInput(const TrackerHealth& health, Diagnostic& diagnostic) {
   diagnostic.add("exposure source", now.exposure_source);
   diagnostic.add("exposure [ms]", kMilliseconds * now.exposure);
   diagnostic.add("exposure by blur over given", now.exposure_ratio);
+  diagnostic.add("worked on at", std::to_string(now.image_width) + "x" + std::to_string(now.image_height));
   diagnostic.add("calibration", health.calibration.empty() ? "none yet" : health.calibration);
 }
 

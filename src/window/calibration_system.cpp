@@ -56,13 +56,15 @@ std::array<Matrix2C, 2> calibrationJacobian(const PairGeometry& pair, const Patc
   const PinholeCamera& host = pair.host_camera;
   const PinholeCamera& target = pair.target_camera;
   const Matrix2C at_target = lensJacobian(target, pixel);
-  const auto rowsFromMiddle = [](const PinholeCamera& camera, double row) { return row - 0.5 * (camera.height - 1); };
+  const auto fromMiddle = [](const PinholeCamera& camera, double row) {  // [heights of the image]
+    return (row - 0.5 * (camera.height - 1)) / camera.height;
+  };
   // As an increment of the target's pose, like J_pose.
-  const Vector6 by_row = rowsFromMiddle(target, pixel.y()) * pair.rows.camera.velocity -
-                         rowsFromMiddle(host, host_row) * (pair.T_target_host.adjoint() * pair.rows.reference.velocity);
+  const Vector6 by_readout = fromMiddle(target, pixel.y()) * pair.rows.camera.velocity -
+                             fromMiddle(host, host_row) * (pair.T_target_host.adjoint() * pair.rows.reference.velocity);
   std::array<Matrix2C, 2> J{lensJacobian(host, path.c0.cast<double>()) - path.A0.cast<double>() * at_target,
                             -path.A1.cast<double>() * at_target};
-  for (std::size_t i = 0; i < 2; ++i) J[i].col(CalibrationCorrection::kRowTime) = path.J_pose[i] * by_row;
+  for (std::size_t i = 0; i < 2; ++i) J[i].col(CalibrationCorrection::kReadout) = path.J_pose[i] * by_readout;
   return J;
 }
 

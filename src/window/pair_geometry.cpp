@@ -34,7 +34,7 @@ bool makeWithPose(const FixedMotionPathMaker& maker, const PairGeometry& pair, c
 /// With the row time as is known now.
 PinholeCamera cameraOf(const ImageLevel& image, const KeyframeState& keyframe) {
   PinholeCamera camera = image.camera;
-  camera.row_time += keyframe.lacking[CalibrationCorrection::kRowTime];
+  camera.row_time += keyframe.lacking[CalibrationCorrection::kReadout] / camera.height;
   return camera;
 }
 

@@ -45,7 +45,7 @@ void KeyframeState::setVelocity(const Vector6& moving) {
 
 double KeyframeState::readoutTime() const {
   const PinholeCamera& camera = original->level(0).camera;
-  return (camera.row_time + lacking[CalibrationCorrection::kRowTime]) * camera.height;
+  return camera.row_time * camera.height + lacking[CalibrationCorrection::kReadout];
 }
 
 int WindowState::indexOf(KeyframeId id) const {

@@ -36,7 +36,7 @@ TEST(CalibrationCorrection, LensJacobianIsThatOfItsFormula) {
 
 TEST(CalibrationCorrection, APinholeCameraTakesOverMostOfIt) {
   CalibrationCorrection correction = vignette(-0.3, 0.0, 0.0);
-  correction.values.head<6>() << 0.02, 0.01, -0.02, -0.1, 0.02, 1e-5;
+  correction.values.head<6>() << 0.02, 0.01, -0.02, -0.1, 0.02, 1e-5 * kCamera.height;
   const CalibrationCorrection part = pinholePart(correction, kCamera);
   const CalibrationCorrection rest = part.lacks(correction);
   EXPECT_TRUE(pinholePart(rest, kCamera).isZero());
@@ -68,9 +68,9 @@ TEST(CalibrationCorrection, IsNoticeableFromHalfAPixelTwoPercentOfTheLightOrAMil
     correction.values(CalibrationCorrection::kFocal) = value;
     return correction;
   };
-  const auto row_time = [](double value) {
+  const auto readout = [](double value) {
     CalibrationCorrection correction;
-    correction.values(CalibrationCorrection::kRowTime) = value;
+    correction.values(CalibrationCorrection::kReadout) = value;
     return correction;
   };
   EXPECT_FALSE(isNoticeable({}, kCamera));
@@ -82,8 +82,8 @@ TEST(CalibrationCorrection, IsNoticeableFromHalfAPixelTwoPercentOfTheLightOrAMil
     EXPECT_TRUE(isNoticeable(vignette(sign * 0.022, 0.0, 0.0), kCamera));
     EXPECT_TRUE(isNoticeable(vignette(sign * 0.2, -sign * 0.2, 0.0), kCamera))
         << "the corner is right, the rest is not";
-    EXPECT_FALSE(isNoticeable(row_time(sign * 9e-4 / kCamera.height), kCamera));
-    EXPECT_TRUE(isNoticeable(row_time(sign * 11e-4 / kCamera.height), kCamera));
+    EXPECT_FALSE(isNoticeable(readout(sign * 9e-4), kCamera));
+    EXPECT_TRUE(isNoticeable(readout(sign * 11e-4), kCamera));
   }
 }
 

@@ -63,7 +63,7 @@ TEST(CorrectedCalibration, OfACameraWithoutDistortionHasTheNumbersOfTheCorrectio
 
 TEST(CorrectedCalibration, WithoutACorrectionOfTheLensIsTheSame) {
   CalibrationCorrection correction;
-  correction.values(CalibrationCorrection::kRowTime) = 1e-5;
+  correction.values(CalibrationCorrection::kReadout) = 1e-5;
   const CameraCalibration told{640, 480, 460.0, 450.0, 322.0, 238.0, "", {}};
   const CameraCalibration c = correctedCalibration(told, correction).calibration;
   EXPECT_EQ(c.fx, told.fx);

@@ -283,7 +283,7 @@ TEST(FrameBuilder, ACorrectionHoldsFromTheNextImageOn) {
   FrameBuilder builder({64, 48, 60.0, 60.0, 31.5, 23.5, "plumb_bob", {}}, {}, config);
   const cv::Mat1b image(48, 64, static_cast<unsigned char>(50));
   CalibrationCorrection correction;
-  correction.values(CalibrationCorrection::kRowTime) = 1e-5;
+  correction.values(CalibrationCorrection::kReadout) = 48 * 1e-5;
   const FrameConstPtr before = builder.build(image, 0, 0, 0, 0.0);
   builder.correct(correction);
   const FrameConstPtr after = builder.build(image, 1, 1, 1, 0.0);

@@ -40,7 +40,7 @@ TEST(ImagePyramid, EveryLevelShowsTheSameRay) {
 
 TEST(ImagePyramid, EveryLevelGetsTheCorrectedCamera) {
   CalibrationCorrection lacking;
-  lacking.values.head<6>() << 0.02, 0.01, -0.02, 0.0, 0.0, 1e-5;
+  lacking.values.head<6>() << 0.02, 0.01, -0.02, 0.0, 0.0, 1e-5 * kCamera.height;
   const ImagePyramid original(makeRamp(), kCamera, 3);
   ImagePyramid corrected = original;
   corrected.correctCamera(lacking);

@@ -69,7 +69,7 @@ TEST(CalibrationReport, CameraAndSensorFileBelongTogether) {
   image.learnt_file = folder.file("out/sensor.yaml");
   const Correction known = CameraMemory(image).recall(camera);
   EXPECT_FALSE(known.correctsLens()) << "camera.yaml has it";
-  EXPECT_EQ(known[Correction::kRowTime], 5e-6);
+  EXPECT_EQ(known[Correction::kReadout], 5e-6);
   EXPECT_EQ(known.vignette(), study.estimate.correction.vignette());
   EXPECT_EQ(cv::imread(folder.file("out/mask.png"), cv::IMREAD_GRAYSCALE).at<std::uint8_t>(3, 4), 0);
   EXPECT_THAT(folder.read("out/calibration.yaml"), HasSubstr("windows: 30"));
@@ -167,9 +167,9 @@ TEST(CalibrationPasses, TheFocalLengthIsFoundAsSurelyAsItSays) {
 TEST(CalibrationPasses, WhatNoStepWasTakenForStaysAsTold) {
   CalibrationStudy study = studied();
   EXPECT_EQ(study.correction(), study.estimate.correction);
-  study.last.correction.values(Correction::kRowTime) = 0.0;
+  study.last.correction.values(Correction::kReadout) = 0.0;
   study.last.correction.values.tail<3>().setZero();
-  EXPECT_EQ(study.correction()[Correction::kRowTime], 0.0);
+  EXPECT_EQ(study.correction()[Correction::kReadout], 0.0);
   EXPECT_FALSE(study.correction().correctsVignette());
   EXPECT_EQ(study.correction()[Correction::kFocal], study.estimate.correction[Correction::kFocal]);
   study.last.correction = {};

@@ -10,7 +10,7 @@ using Vector = CalibrationCorrection::Vector;
 /// Windows that know the truth, each with as much information about every number of the correction.
 CalibrationSystem windowOf(const Vector& truth, const CalibrationCorrection& used, double information) {
   Vector sigma;
-  sigma << 1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-6, 1e-3, 1e-3, 1e-3;
+  sigma << 1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 5e-4, 1e-3, 1e-3, 1e-3;
   CalibrationSystem system;
   system.H = (information * sigma.array().square().inverse()).matrix().asDiagonal();
   system.b = -system.H * (truth - used.values);
@@ -19,12 +19,12 @@ CalibrationSystem windowOf(const Vector& truth, const CalibrationCorrection& use
 
 TEST(CalibrationEstimator, FindsTheTruth) {
   Vector truth;
-  truth << 0.01, -0.004, 0.006, -0.02, 0.01, 4e-5, -0.3, 0.1, -0.1;
+  truth << 0.01, -0.004, 0.006, -0.02, 0.01, 0.02, -0.3, 0.1, -0.1;
   CalibrationEstimator estimator;
   for (int i = 0; i < 100; ++i) estimator.add(windowOf(truth, estimator.correction(), 1e3));
   const Vector error = (estimator.correction().values - truth).cwiseAbs();
   EXPECT_LT(error.head<5>().maxCoeff(), 1e-3);
-  EXPECT_LT(error(5), 1e-6);
+  EXPECT_LT(error(5), 5e-4);
 }
 
 TEST(CalibrationEstimator, DoesNotMoveForWhatIsNotSignificant) {
@@ -51,11 +51,11 @@ TEST(CalibrationEstimator, StepsAsSoonAsTheErrorIsSignificant) {
 TEST(CalibrationEstimator, AGlobalShutterStaysOneWhenTheRestIsCorrected) {
   Vector truth = Vector::Zero();
   truth(CalibrationCorrection::kFocal) = 0.02;
-  truth(CalibrationCorrection::kRowTime) = 1e-7;
+  truth(CalibrationCorrection::kReadout) = 5e-5;
   CalibrationEstimator estimator;
   for (int i = 0; i < 20; ++i) estimator.add(windowOf(truth, estimator.correction(), 1e3));
   EXPECT_NEAR(estimator.correction()[CalibrationCorrection::kFocal], 0.02, 1e-3);
-  EXPECT_EQ(estimator.correction()[CalibrationCorrection::kRowTime], 0.0);
+  EXPECT_EQ(estimator.correction()[CalibrationCorrection::kReadout], 0.0);
 }
 
 TEST(CalibrationEstimator, HasSettledWhenWindowsLeaveItAsItIs) {
@@ -101,11 +101,11 @@ TEST(CalibrationEstimator, LeavesAToldVignetteAlone) {
 
 TEST(CalibrationEstimator, GoesOnFromAnEarlierCorrection) {
   CalibrationCorrection start;
-  start.values(CalibrationCorrection::kRowTime) = 3e-5;
+  start.values(CalibrationCorrection::kReadout) = 0.015;
   CalibrationEstimator estimator(start);
   EXPECT_EQ(estimator.correction(), start);
   for (int i = 0; i < 20; ++i) estimator.add(windowOf(start.values, estimator.correction(), 1e3));
-  EXPECT_NEAR(estimator.correction()[CalibrationCorrection::kRowTime], 3e-5, 1e-6);
+  EXPECT_NEAR(estimator.correction()[CalibrationCorrection::kReadout], 0.015, 5e-4);
 }
 
 }  // namespace

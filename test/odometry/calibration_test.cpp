@@ -79,7 +79,8 @@ TEST(Calibration, ARollingShutterIsFound) {
   rolling.row_time = kRowTime;
   const test::RenderedSequence sequence = test::renderFrames(rolling, 0, kFrames);
   const Correction found = run(sequence, sequence.calibration, 3);
-  EXPECT_NEAR(found[Correction::kRowTime], kRowTime, 0.1 * kRowTime) << found.values.transpose();
+  const double readout = kRowTime * sequence.calibration.height;
+  EXPECT_NEAR(found[Correction::kReadout], readout, 0.1 * readout) << found.values.transpose();
 }
 
 // The velocities of the keyframes, not the calibration, are what is not known well enough.
@@ -88,7 +89,8 @@ TEST(Calibration, ARollingShutterThatIsToldIsLeftAlone) {
   rolling.row_time = kRowTime;
   const test::RenderedSequence sequence = test::renderFrames(rolling, 0, kFrames);
   const Correction found = runOnce(sequence, sequence.calibration, {}, kRowTime);
-  EXPECT_LT(std::abs(found[Correction::kRowTime]), 0.02 * kRowTime) << found.values.transpose();
+  EXPECT_LT(std::abs(found[Correction::kReadout]), 0.02 * kRowTime * sequence.calibration.height)
+      << found.values.transpose();
   EXPECT_LT(largestError(found, {}, sequence.calibration), 0.3) << found.values.transpose();
 }
 

@@ -193,6 +193,26 @@ TEST(EndToEnd, ADistortingLensIsAsGood) {
   EXPECT_LT(accuracy.median_motion, 0.15) << accuracy;
 }
 
+TEST(EndToEnd, BinnedImagesAreNearlyAsGood) {
+  const OdometryRun run = runOdometry(test::toFrames(distortingLens(), false, kExposure, 2));
+  expectComplete(run);
+  const Accuracy accuracy = compare(run.trajectory, distortingLens());
+  EXPECT_LT(accuracy.ate, 0.006) << accuracy;
+  EXPECT_LT(accuracy.median_motion, 0.2) << accuracy;
+}
+
+TEST(EndToEnd, BinningMayChangeWithinAMap) {
+  for (const auto& [before, after] : {std::pair(1, 2), std::pair(2, 1)}) {
+    std::vector<FrameConstPtr> frames = test::toFrames(plainLens(), false, kExposure, before);
+    const std::vector<FrameConstPtr> later = test::toFrames(plainLens(), false, kExposure, after);
+    std::copy(later.begin() + kFrames / 2, later.end(), frames.begin() + kFrames / 2);
+    const OdometryRun run = runOdometry(frames);
+    expectComplete(run);
+    const Accuracy accuracy = compare(run.trajectory, plainLens());
+    EXPECT_LT(accuracy.ate, 0.006) << accuracy;
+  }
+}
+
 /// The sequence as a camera of 12 bits gives it, in images of 16 that do not say so.
 std::vector<FrameConstPtr> twelveBitFrames() {
   ImageIntake intake({}, {}, false);

@@ -1,6 +1,9 @@
 #include "mba_vo/odometry/image_intake.h"
 
+#include <chrono>
 #include <cmath>
+#include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -55,6 +58,35 @@ TEST(ImageIntake, SaysThatWhiteIsElsewhere) {
   const ImageIntake::Result brighter = intake.take(imageOf(1, cv::Mat1w(kHeight, kWidth, std::uint16_t{2000})));
   EXPECT_NE(brighter.reason.find("white is 4095, not 1023"), std::string::npos) << brighter.reason;
   EXPECT_NEAR(brighter.frame->pyramid.level(0).intensity(20, 30), 255.0 * 2000.0 / 4095.0, 1e-3);
+}
+
+TEST(ImageIntake, HalvesImagesWhereItMayAndEnoughIsLeft) {
+  const auto take = [](ImageIntake& from, int number) {
+    const ImageIntake::Result result =
+        from.take(imageOf(number, cv::Mat1b(480, 640, static_cast<std::uint8_t>(100 + number % 100))));
+    return result.frame->pyramid.level(0).camera;
+  };
+  for (const bool in_background : {false, true}) {
+    ImageIntake intake({}, {}, in_background);
+    intake.setCalibration({640, 480, 400.0, 400.0, 319.5, 239.5, "", {}}, {});
+    EXPECT_EQ(take(intake, 0).width, 640);
+    EXPECT_NE(intake.halve().find("320x240"), std::string::npos);
+    PinholeCamera camera = take(intake, 1);
+    for (int i = 2; in_background && i < 1000 && camera.width == 640; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      camera = take(intake, i);
+    }
+    EXPECT_EQ(camera.width, 320);
+    EXPECT_DOUBLE_EQ(camera.cx, 159.5);
+    EXPECT_EQ(intake.halve(), "") << "160 columns are too few";
+    intake.reset();
+    EXPECT_EQ(take(intake, 0).width, 320) << "as slow as before";
+  }
+  FrameBuilderConfig told;
+  told.binning = 1;
+  ImageIntake intake(told, {}, false);
+  intake.setCalibration({640, 480, 400.0, 400.0, 319.5, 239.5, "", {}}, {});
+  EXPECT_EQ(intake.halve(), "");
 }
 
 /// What a camera sees that moves past textures, with a cross burnt in.

@@ -64,7 +64,7 @@ function(start space)
 endfunction()
 
 make_workspace()
-run(${CATKIN_MAKE} -C ${WORK_DIR} install -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DMBA_VO_TESTS=OFF -DPYTHON_EXECUTABLE=/usr/bin/python3
+run(${CATKIN_MAKE} -C ${WORK_DIR} install -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DMBA_VO_TESTS=OFF -DCMAKE_UNITY_BUILD=${UNITY} -DPYTHON_EXECUTABLE=/usr/bin/python3
   "-DCMAKE_CXX_COMPILER_LAUNCHER=${SOURCE_DIR}/test/package/reuse_object.sh$<SEMICOLON>${BUILD_DIR}")
 use(devel ${WORK_DIR}/src/mba_vo)
 start(devel)

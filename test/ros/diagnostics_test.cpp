@@ -20,6 +20,8 @@ TrackerHealth goodTracker() {
   health.now.state = Status::TRACKING;
   health.now.exposure_source = "topic";
   health.now.exposure = 0.012;
+  health.now.image_width = 320;
+  health.now.image_height = 240;
   health.now.exposure_ratio = std::numeric_limits<double>::quiet_NaN();
   health.seconds = 1.0;
   health.latency = 0.02;
@@ -69,6 +71,7 @@ TEST(Diagnostics, AllIsWell) {
   EXPECT_EQ(valueOf(images, "exposure source"), "topic");
   EXPECT_EQ(valueOf(images, "exposure [ms]"), "12");
   EXPECT_EQ(valueOf(images, "calibration"), "640x480");
+  EXPECT_EQ(valueOf(images, "worked on at"), "320x240");
   const DiagnosticStatus poses = tracking(goodTracker());
   EXPECT_EQ(poses.level, DiagnosticStatus::OK) << poses.message;
   EXPECT_EQ(valueOf(poses, "latency [ms]"), "20");

@@ -33,9 +33,11 @@ inline RenderedSequence renderFrames(const SimulationConfig& config, int first, 
 }
 
 /// The sequence as the odometry gets it. `exposure` is what it is told.
-inline std::vector<FrameConstPtr> toFrames(const RenderedSequence& sequence, bool sharp,
-                                           std::optional<double> exposure) {
-  const FrameBuilder builder(sequence.calibration, {}, {});
+inline std::vector<FrameConstPtr> toFrames(const RenderedSequence& sequence, bool sharp, std::optional<double> exposure,
+                                           int binning = 1) {
+  FrameBuilderConfig config;
+  config.binning = binning;
+  const FrameBuilder builder(sequence.calibration, {}, config);
   std::vector<FrameConstPtr> frames;
   for (const SimulatedFrame& f : sequence.frames) {
     frames.push_back(builder.build(sharp ? f.sharp : f.blurred, f.id, f.mid_exposure_ns, f.mid_exposure_ns, exposure));

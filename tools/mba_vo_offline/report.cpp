@@ -30,7 +30,7 @@ void printLearnt(const mba_vo::OfflineResult& result) {
     std::cout << "the calibration is wrong: focal length " << 1e2 * c[CalibrationCorrection::kFocal] << " %, centre "
               << 1e2 * c[CalibrationCorrection::kCentreX] << ", " << 1e2 * c[CalibrationCorrection::kCentreY]
               << " % of the focal length, k1 " << c[CalibrationCorrection::kK1] << ", k2 "
-              << c[CalibrationCorrection::kK2] << ", row time " << 1e6 * c[CalibrationCorrection::kRowTime] << " us; ";
+              << c[CalibrationCorrection::kK2] << ", read-out " << 1e3 * c[CalibrationCorrection::kReadout] << " ms; ";
   }
   if (c.correctsVignette()) {
     std::cout << "the corners of the image get " << 1e2 * std::exp(c.vignette().sum()) << " % of the light; ";

@@ -8,9 +8,9 @@ namespace mba_vo {
 
 /// Small errors of a camera's calibration, to be corrected when images are made. Geometry, in rectification: what the
 /// calibration takes for an ideal camera's pixel at the normalised coordinates x, of radius r, is the image of
-/// x (1 + focal + k1 r^2 + k2 r^4) + centre; one row follows another by `row_time` more than configured. Vignette: at
-/// q, the squared distance from the principal point over that of the corners, a pixel gets exp(v1 q + v2 q^2 + v3 q^3)
-/// of the light that it would get in the middle.
+/// x (1 + focal + k1 r^2 + k2 r^4) + centre; all rows are read out within `readout` more than configured: row r of h
+/// follows the one before by readout / h more. Vignette: at q, the squared distance from the principal point over that
+/// of the corners, a pixel gets exp(v1 q + v2 q^2 + v3 q^3) of the light that it would get in the middle.
 struct CalibrationCorrection {
   static constexpr int kGeometryDim = 6;
   static constexpr int kVignetteDim = 3;
@@ -18,7 +18,7 @@ struct CalibrationCorrection {
   using Vector = Eigen::Matrix<double, kDim, 1>;
   using Matrix = Eigen::Matrix<double, kDim, kDim>;
   using Vignette = Eigen::Matrix<double, kVignetteDim, 1>;
-  enum Index { kFocal, kCentreX, kCentreY, kK1, kK2, kRowTime, kV1, kV2, kV3 };
+  enum Index { kFocal, kCentreX, kCentreY, kK1, kK2, kReadout, kV1, kV2, kV3 };
 
   Vector values = Vector::Zero();  // [1, focal lengths, focal lengths, 1, 1, s, 1, 1, 1], in the order of Index
 

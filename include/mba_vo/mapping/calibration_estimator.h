@@ -8,7 +8,7 @@ namespace mba_vo {
 
 /// Corrects the calibration where window after window agrees that it is wrong. A good calibration stays as it is: what
 /// the windows then say is small beside its uncertainty. The vignette comes first and needs one window alone; so may
-/// the row time.
+/// the time of read-out.
 class CalibrationEstimator {
  public:
   enum class Vignette { kUnknown, kTold };  // kTold: nothing of it is left to be found
@@ -28,7 +28,7 @@ class CalibrationEstimator {
  private:
   CalibrationSystem withPrior() const;
   bool correctVignette();
-  bool correctRowTime();
+  bool correctReadout();
   bool correctGeometry();
 
   Vignette vignette_;

@@ -40,6 +40,9 @@ class ImageIntake {
 
   Result take(const CameraImage& image);
 
+  /// Images to come are worked on at half their present size, where `image.binning` leaves that open and enough is left
+  /// of them. What is to be said of it; empty = nothing changes.
+  std::string halve();
   /// Images to come are made as the mapper believes they should be. True if that is news.
   bool correct(const CalibrationCorrection& correction);
   /// Forgets stamps, and the correction but for what was known at first.
@@ -57,7 +60,9 @@ class ImageIntake {
   bool isFrozen(std::int64_t stamp_ns) const;
   void build(const CameraImage& image, std::int64_t stamp_shift_ns, const std::optional<double>& exposure,
              Result& result);
-  std::unique_ptr<FrameBuilder> makeBuilder(const CalibrationCorrection& correction) const;
+  void prepareBuilder();
+  std::unique_ptr<FrameBuilder> makeBuilder(const FrameBuilderConfig& config,
+                                            const CalibrationCorrection& correction) const;
   void adoptCorrected();
   /// Returns what is to be said of it; may be empty.
   std::string adoptWhiteLevel(const cv::Mat& image);
@@ -67,6 +72,7 @@ class ImageIntake {
   FrameConstPtr withGain(const CameraImage& image, std::int64_t mid_exposure_ns, const std::optional<double>& exposure);
 
   FrameBuilderConfig config_;
+  const bool chooses_binning_;
   PhotometricCalibration photometric_;
   CalibrationCorrection start_;
   bool in_background_;

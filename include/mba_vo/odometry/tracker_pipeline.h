@@ -13,6 +13,7 @@
 #include "mba_vo/odometry/catch_up_pace.h"
 #include "mba_vo/odometry/image_intake.h"
 #include "mba_vo/odometry/pipeline_messages.h"
+#include "mba_vo/odometry/tracking_load.h"
 #include "mba_vo/odometry/tracking_loop.h"
 #include "mba_vo/trajectory/odometry_covariance.h"
 
@@ -114,6 +115,8 @@ class TrackerPipeline {
   static std::size_t mostDispensable(const std::deque<Job>& jobs);
   Turn turn() const;
   TrackerStep takeJob();
+  /// What is to be said of it; may be empty.
+  std::string relieve();
   TrackerStep takeImage(const CameraImage& image);
   TrackerStep takeFrame(const FrameConstPtr& frame);
   TrackerStep takeCalibration(const KnownCamera& camera);
@@ -132,6 +135,7 @@ class TrackerPipeline {
   ImageIntake intake_;
   TrackingLoop loop_;
   CatchUpPace pace_;
+  TrackingLoad load_;
   OdometryCovariance covariance_;
   std::optional<TrackerStep> in_work_;
   TrackerStep last_;               // of the newest image that had a result of its own
