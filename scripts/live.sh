@@ -2,12 +2,13 @@
 # Plays the development sequences as bags at real speed through the ROS nodes, and prints what was published when it was
 # published, then what was saved in the end (docs/decisions/2026-11-23-live-in-simulated-time.md).
 #
-#   scripts/live.sh [--data DIR] [--output DIR] [--cores LIST] [--player-cores LIST] [--runs N] [SEQUENCE...]
+#   scripts/live.sh [--data DIR] [--output DIR] [--cores LIST] [--player-cores LIST] [--config FILE] [--runs N] [SEQUENCE...]
 #
 #   --data DIR     folder with the sequences (../shared/data)
 #   --output DIR   folder for bags and trajectories (output/live)
 #   --cores LIST   of the nodes, as for taskset, for example 0; all of them
 #   --player-cores LIST   of the player of the bag; as the nodes
+#   --config FILE  options of the nodes (config/default.yaml)
 #   --runs N       times that each is played (1); of several the medians are printed
 #   SEQUENCE       desk shake kitchen spin, or another folder in --data (desk shake kitchen)
 #
@@ -19,6 +20,7 @@ data=../shared/data
 output=output/live
 cores=$(taskset --cpu-list --pid $$ | sed 's/.*: //')
 player_cores=
+config=config/default.yaml
 count=1
 sequences=()
 while [ $# -gt 0 ]; do
@@ -27,6 +29,7 @@ while [ $# -gt 0 ]; do
     --output) output=${2:?--output needs a folder}; shift ;;
     --cores) cores=${2:?--cores needs a list}; shift ;;
     --player-cores) player_cores=${2:?--player-cores needs a list}; shift ;;
+    --config) config=${2:?--config needs a file}; shift ;;
     --runs) count=${2:?--runs needs a number}; shift ;;
     -h | --help) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
     *) sequences+=("$1") ;;
@@ -36,6 +39,7 @@ done
 if [ ${#sequences[@]} -eq 0 ]; then sequences=(desk shake kitchen); fi
 mkdir -p "$output"
 output=$(realpath "$output")
+config=$(realpath "$config")
 
 source scripts/environment.sh
 bin=devel/lib/mba_vo
@@ -79,7 +83,7 @@ play() {
     "$bin/mba_vo_make_bag" "$data/$2" --output "$bag" --time-offset "$offset" >/dev/null
   fi
   mark_slow "before $1"
-  taskset --cpu-list "$cores" roslaunch mba_vo demo.launch bag:="$bag" output:="$folder" \
+  taskset --cpu-list "$cores" roslaunch mba_vo demo.launch bag:="$bag" output:="$folder" config:="$config" \
     player_prefix:="taskset --cpu-list ${player_cores:-$cores}" >"$folder/log.txt" 2>&1 || true
   mark_slow "after $1"
   if ! evaluate "$truth" "$folder" >"$folder/evaluation.txt" 2>&1; then

@@ -145,9 +145,9 @@ TrackerStep TrackerPipeline::takeFrame(const FrameConstPtr& frame) {
   return step;
 }
 
-/// While frames of the past are caught up with, images wait on every machine.
+/// While frames of the past are tracked, images wait on every machine.
 std::string TrackerPipeline::relieve() {
-  if (loop_.phase() != TrackingPhase::kTracking || !load_.isTooHigh(!queue_.empty())) return "";
+  if (loop_.phase() == TrackingPhase::kGoingBack || !load_.isTooHigh(!queue_.empty())) return "";
   return intake_.halve();
 }
 
