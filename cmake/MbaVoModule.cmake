@@ -12,7 +12,7 @@ function(mba_vo_options target)
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
   get_target_property(type ${target} TYPE)
-  if(NOT MBA_VO_PRECOMPILE OR target MATCHES "^mba_vo_precompiled")
+  if(MBA_VO_LINT OR target MATCHES "^mba_vo_precompiled")
   elseif(target MATCHES "_test$")
     target_precompile_headers(${target} REUSE_FROM mba_vo_precompiled_test)
   elseif(type STREQUAL EXECUTABLE)
@@ -35,7 +35,7 @@ endfunction()
 
 # Libraries and programs are compiled with different options, hence a set of headers for each; tests have Google Test
 # besides. Lint goes without them, and tells where an include is missing.
-if(MBA_VO_PRECOMPILE)
+if(NOT MBA_VO_LINT)
   set(mba_vo_precompiled_source ${CMAKE_CURRENT_BINARY_DIR}/precompiled.cpp)
   if(NOT EXISTS ${mba_vo_precompiled_source})
     file(WRITE ${mba_vo_precompiled_source} "int main() { return 0; }\n")
@@ -58,6 +58,7 @@ if(MBA_VO_PRECOMPILE)
   endforeach()
 endif()
 
+# Several files are compiled at a time, with short names in them: each is in a namespace of its own, called as the file.
 function(mba_vo_test target)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPENDS" ${ARGN})
   if(NOT ARG_TIMEOUT)

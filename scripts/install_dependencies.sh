@@ -29,7 +29,7 @@ ros=(
 )
 rviz=(rviz)
 screenshot=(rviz imagemagick libgl1-mesa-dri xvfb)
-checks=(catkin-lint ccache clang-format clang-tidy shellcheck)
+checks=(catkin-lint ccache clang-format clang-tidy ninja-build shellcheck)
 
 usage() { sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; }
 

@@ -10,7 +10,10 @@ namespace {
 constexpr std::size_t kImageQueueBytes = 64000000;    // as the nodes have by default (image_queue_mb)
 constexpr std::size_t kMapperQueueBytes = 512000000;  // mapper_queue_mb
 constexpr double kBackgroundShare = 0.25;             // of a core that both halves want: niceness 5 weighs a third of 0
-constexpr double kDone = 1e-9;                        // [s] less work than that is none
+// Time that a step takes with images of half the size: docs/decisions/2026-11-27-binned-images.md, median of the ratios
+// of tracking a frame.
+constexpr double kTimeOfHalfSize = 0.72;
+constexpr double kDone = 1e-9;  // [s] less work than that is none
 
 }  // namespace
 
@@ -54,16 +57,23 @@ void LiveSimulation::runUntil(double time, OdometryResult& result) {
 void LiveSimulation::startWork() {
   if (!tracking_) {
     if (auto step = at_end_ ? tracker_.finishStep() : tracker_.step()) {
-      const double seconds = machine_.secondsFor(*step);
+      if (step->message.tracked) adoptSize(step->message.tracked->frame->pyramid.level(0).camera);
+      const double seconds = size_factor_ * machine_.secondsFor(*step);
       tracking_ = TrackerWork{std::move(*step), seconds};
     }
   }
   if (!mapping_) {
     if (auto step = mapper_.step()) {
       const StepTime time = machine_.timeFor(*step);
-      mapping_ = MapperWork{std::move(*step), time};
+      mapping_ = MapperWork{std::move(*step), {size_factor_ * time.serial, size_factor_ * time.parallel}};
     }
   }
+}
+
+/// As images are larger when a run begins, or never.
+void LiveSimulation::adoptSize(const PinholeCamera& camera) {
+  if (largest_width_ == 0) largest_width_ = camera.width;
+  size_factor_ = camera.width < largest_width_ ? kTimeOfHalfSize : 1.0;
 }
 
 double LiveSimulation::mapperRate() const {

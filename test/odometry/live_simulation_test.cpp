@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 #include "mba_vo/odometry/config_yaml.h"
 #include "odometry/outcome.h"
@@ -150,6 +152,27 @@ TEST(LiveSimulation, WhatWaitsIsThinnedOutUntilItIsCaughtUpWith) {
   ASSERT_NE(map, run.images.end());
   EXPECT_GT(leftOutOf(run), 0);
   EXPECT_GE(shareOfPoses(map, run), kLeastShare);
+}
+
+/// As a camera of twice the resolution, out of focus, sees it.
+test::RenderedSequence enlarged(test::RenderedSequence seen) {
+  CameraCalibration& c = seen.calibration;
+  c = {2 * c.width, 2 * c.height, 2.0 * c.fx, 2.0 * c.fy, 2.0 * c.cx + 0.5, 2.0 * c.cy + 0.5, "plumb_bob", {}};
+  for (SimulatedFrame& frame : seen.frames) cv::resize(frame.blurred, frame.blurred, {}, 2.0, 2.0);
+  return seen;
+}
+
+int widthOf(const PublishedImage& image) { return image.step.message.tracked->frame->pyramid.level(0).camera.width; }
+
+TEST(LiveSimulation, WhatCannotBeKeptUpWithIsWorkedOnAtHalfTheSize) {
+  const LiveRun run = runOn(Machine().slowedBy(6.0), enlarged(sequence()));
+  EXPECT_EQ(std::count_if(run.images.begin(), run.images.end(),
+                          [](const PublishedImage& image) {
+                            return image.step.reason.find("worked on at 376x240 from now on") != std::string::npos;
+                          }),
+            1);
+  EXPECT_EQ(widthOf(run.images.front()), 752);
+  EXPECT_EQ(widthOf(run.images.back()), 376);
 }
 
 }  // namespace

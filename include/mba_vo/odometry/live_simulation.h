@@ -38,6 +38,7 @@ class LiveSimulation : public OdometryRun {
 
   void runUntil(double time, OdometryResult& result);
   void startWork();
+  void adoptSize(const PinholeCamera& camera);
   double trackerRate() const;
   double mapperRate() const;
   double timeOfNextEvent(double latest);
@@ -51,6 +52,8 @@ class LiveSimulation : public OdometryRun {
   std::optional<std::int64_t> first_ns_;  // mid-exposure of the first image, when time begins
   double now_ = 0.0;                      // [s]
   bool at_end_ = false;
+  int largest_width_ = 0;     // of the images that are worked on [px]
+  double size_factor_ = 1.0;  // on all times, by the size of the newest
   std::optional<TrackerWork> tracking_;
   std::optional<MapperWork> mapping_;
 };
