@@ -270,8 +270,7 @@ class DeblurRun {
 };
 
 void run(const Arguments& a) {
-  mba_vo::OdometryConfig config;
-  if (!a.config_file.empty()) config = mba_vo::loadConfig(a.config_file);
+  mba_vo::OdometryConfig config = a.config_file.empty() ? mba_vo::OdometryConfig() : mba_vo::loadConfig(a.config_file);
   mba_vo::finalize(config);
   config.image.binning = 1;  // sharp images are as large as the camera's
   config.mapper.deblur.method = a.method;

@@ -24,7 +24,7 @@ CameraCalibration distorted() { return {640, 480, 460.1, 461.2, 322.3, 238.4, "p
 
 CalibrationStudy studied() {
   CalibrationEstimate estimate;
-  estimate.correction.values << 0.01, -0.004, 0.003, -0.01, 0.002, 5e-6, -0.2, -0.1, -0.05;
+  estimate.correction.values << 0.01, -0.004, 0.003, -0.01, 0.002, 480 * 5e-6, -0.2, -0.1, -0.05;
   estimate.covariance = 1e-8 * Correction::Matrix::Identity();
   estimate.windows = 30;
   CalibrationStudy study;
@@ -69,7 +69,7 @@ TEST(CalibrationReport, CameraAndSensorFileBelongTogether) {
   image.learnt_file = folder.file("out/sensor.yaml");
   const Correction known = CameraMemory(image).recall(camera);
   EXPECT_FALSE(known.correctsLens()) << "camera.yaml has it";
-  EXPECT_EQ(known[Correction::kReadout], 5e-6);
+  EXPECT_EQ(known[Correction::kReadout], 480 * 5e-6);
   EXPECT_EQ(known.vignette(), study.estimate.correction.vignette());
   EXPECT_EQ(cv::imread(folder.file("out/mask.png"), cv::IMREAD_GRAYSCALE).at<std::uint8_t>(3, 4), 0);
   EXPECT_THAT(folder.read("out/calibration.yaml"), HasSubstr("windows: 30"));
