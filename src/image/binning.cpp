@@ -1,11 +1,14 @@
 #include "mba_vo/image/binning.h"
 
+#include <cstdint>
+
 #include <opencv2/imgproc.hpp>
 
 namespace mba_vo {
 namespace {
 
-constexpr int kMostPixels = 600000;
+// Between the largest camera that was measured with, 960x540, and 1280x720, which has 2.6 times the pixels of 752x480.
+constexpr std::int64_t kMostPixels = 600000;
 
 cv::Mat1f resized(const cv::Mat1f& image, int binning, int interpolation) {
   if (binning == 1) return image;
@@ -22,7 +25,7 @@ double binnedCentre(double centre, int binning) { return (centre + 0.5) / binnin
 
 int binningOf(int configured, const CameraCalibration& calibration) {
   if (configured > 0) return configured;
-  return calibration.width * calibration.height > kMostPixels ? 2 : 1;
+  return std::int64_t{calibration.width} * calibration.height > kMostPixels ? 2 : 1;
 }
 
 CameraCalibration binned(const CameraCalibration& calibration, int binning) {

@@ -118,6 +118,7 @@ bool TrackerWorker::step() {
     forward(step->message);
     for (const TrackerMessage& placed : step->placed) forward(placed);
   }
+  if (!step->notice.empty()) ROS_WARN_STREAM(step->notice);
   if (step->kind == TrackerStep::Kind::kImage) {
     publishImage(*step);
   } else if (step->kind == TrackerStep::Kind::kRepeated) {
@@ -155,7 +156,7 @@ void TrackerWorker::tellAdopted() {
     if (pipeline_.takeCorrected()) {
       ROS_WARN_STREAM(
           "the images say that the calibration is wrong; it is corrected by focal length (relative), centre "
-          "(focal lengths), k1, k2, row time [s], vignette: "
+          "(focal lengths), k1, k2, time of read-out [s], vignette: "
           << reference->correction.values.transpose());
     }
   }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kLongestRepeat = 0.15;  // [s] after which the camera may be anywhere,
 constexpr int kFewRepeats = 2;           // unless it is so slow that these last longer
-constexpr int kLeastWidth = 300;         // [px] left of an image that is halved
+constexpr int kLeastWidth = 300;         // [px] left of an image that is halved: 640x480 may be
 
 void append(std::string& text, const std::string& more) {
   if (!more.empty()) text += (text.empty() ? "" : "; ") + more;
@@ -115,7 +115,10 @@ std::string ImageIntake::halve() {
   if (!builder_ || !chooses_binning_ || calibration_->width < 2 * config_.binning * kLeastWidth) return "";
   config_.binning *= 2;
   prepareBuilder();
-  if (!in_background_) next_builder_.wait();
+  if (!in_background_) {
+    next_builder_.wait();
+    adoptCorrected();
+  }
   std::ostringstream text;
   text << "images are worked on at " << calibration_->width / config_.binning << "x"
        << calibration_->height / config_.binning << " from now on: they come faster than they can be tracked";

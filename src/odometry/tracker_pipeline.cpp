@@ -155,12 +155,12 @@ TrackerStep TrackerPipeline::takeImage(const CameraImage& image) {
   late_since_image_ = false;
   TrackerStep step = stepOf(image);
   in_work_ = step;
-  const std::string halved = relieve();
+  step.notice = relieve();
   const ImageIntake::Result taken = intake_.take(image);
   step.build_ms = taken.build_ms;
   if (taken.clock_restarted) beginSession();
   step.began_anew = taken.clock_restarted;
-  step.reason = halved.empty() ? taken.reason : taken.reason.empty() ? halved : taken.reason + "; " + halved;
+  step.reason = taken.reason;
   camera_frame_ = image.camera_frame;
   step.contradicts_calibration = taken.contradicts_calibration;
   if (taken.frame) {

@@ -168,7 +168,7 @@ TEST(LiveSimulation, WhatCannotBeKeptUpWithIsWorkedOnAtHalfTheSize) {
   const LiveRun run = runOn(Machine().slowedBy(6.0), enlarged(sequence()));
   EXPECT_EQ(std::count_if(run.images.begin(), run.images.end(),
                           [](const PublishedImage& image) {
-                            return image.step.reason.find("worked on at 376x240 from now on") != std::string::npos;
+                            return image.step.notice.find("worked on at 376x240 from now on") != std::string::npos;
                           }),
             1);
   EXPECT_EQ(widthOf(run.images.front()), 752);

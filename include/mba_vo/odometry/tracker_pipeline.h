@@ -38,6 +38,7 @@ struct TrackerStep {
   std::optional<double> exposure;    // that it came with, if it can be true [s]
   bool exposure_from_topic = false;
   std::string reason;                    // why it was rejected, what is wrong with it, or why all was reset
+  std::string notice;                    // what is done differently from this image on; seldom
   bool contradicts_calibration = false;  // rejected because it is not of the calibration's size or kind
   bool began_anew = false;               // what went before has been forgotten first
   double build_ms = 0.0;                 // time taken to make a frame of the image

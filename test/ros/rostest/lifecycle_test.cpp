@@ -195,6 +195,7 @@ TEST(Lifecycle, ImagesThatWereCompressedWithoutLossGiveTheTrajectoryOfTheOrigina
     ASSERT_TRUE(robot.becomesTracking());
     EXPECT_EQ(robot.odometry->status().frames_rejected, 0U);
     EXPECT_EQ(robot.odometry->status().exposure_source, "topic");
+    EXPECT_EQ(robot.odometry->status().image_width, 376U);
     ASSERT_TRUE(robot.odometry->saveTrajectory());
     trajectories.push_back(readPoseFile(robot.file("trajectory.txt")));
   }
