@@ -122,6 +122,14 @@ TEST(LoopCorrection, AfterALossTheMapHangsOnTheKeyframeByWhichTheCameraWasFound)
   const CorrectedPoses corrected = correctByLoops(keyframes, {&loop}, 2.0);
   EXPECT_NEAR(corrected.at(5).translation().y(), 0.1, 0.01);
   EXPECT_LT((corrected.at(6).translation() - corrected.at(2).translation()).norm(), 0.002);
+  keyframes.resize(6);  // nothing that came after the loss says where the rest is
+  const CorrectedPoses without = correctByLoops(keyframes, {&loop}, 2.0);
+  const auto shape = [](const CorrectedPoses& poses, KeyframeId n) {  // the newest keyframe keeps its size
+    return Eigen::Vector3d(poses.at(n).translation() / poses.at(5).translation().norm());
+  };
+  for (KeyframeId n = 1; n < 6; ++n) {
+    EXPECT_LT((shape(corrected, n) - shape(without, n)).norm(), 1e-5) << "keyframe " << n;
+  }
 }
 
 TEST(LoopCorrection, WithoutLoopsNothingMoves) {
