@@ -113,7 +113,6 @@ MapperOutput Mapper::Impl::giveUp(MapperOutput output) {
   if (map_->isMetric() && (young || health_.contradictsDepths())) initializer_.doubtDepths(health_.contradictsDepths());
   store_.forget(map_->id(), young || bad > map_->newestKeyframe() ? 0 : map_->newestKeyframe() + 1 - bad);
   const std::vector<FrameConstPtr> frames = young ? initial_frames_ : std::vector<FrameConstPtr>();
-  const std::int64_t failed_ns = first_keyframe_ns_;
   // It would be found there again, and again be wrong.
   if (young && !config_.localize_only) earlier_.reset();
   forgetMap();
@@ -122,7 +121,7 @@ MapperOutput Mapper::Impl::giveUp(MapperOutput output) {
   output.message = last->closed_because;
   output.reference = last;
   for (const FrameConstPtr& frame : frames) {
-    if (frame->mid_exposure_ns <= failed_ns) continue;
+    if (frame->mid_exposure_ns <= first_keyframe_ns_) continue;  // that of the map which failed
     const MapperOutput again = initialize(frame);
     if (!again.reference) continue;
     output.reference = again.reference;

@@ -39,6 +39,7 @@ MapperOutput Mapper::Impl::process(const TrackedFrameConstPtr& frame, bool has_t
   }
   MapperOutput output;
   takeSharpKeyframe(output);
+  output.searched_depths = has_time;
   if (const TrackedFrameConstPtr chosen = integrate(frame, has_time)) insertKeyframe(chosen, output);
   deblurring_.beginNext(*map_, frame->frame->mid_exposure_ns);
   return output;

@@ -1,5 +1,7 @@
 #include "mba_vo/odometry/frame_tracking.h"
 
+#include "mba_vo/odometry/tracking_results.h"
+
 namespace mba_vo {
 namespace {
 
@@ -57,21 +59,41 @@ FrameConstPtr FrameTracking::asKnownNow(const FrameConstPtr& frame) const {
 }
 
 std::shared_ptr<TrackedFrame> FrameTracking::track(const FrameConstPtr& given, const std::optional<CameraTurn>& turn) {
+  auto tracked = align(given, turn);
+  learnExposure(tracked, given);
+  judge_.judge(*tracked, lost_.lost(), secondsBetween(state_, *tracked->frame));
+  goOnFrom(*tracked);
+  return tracked;
+}
+
+std::shared_ptr<TrackedFrame> FrameTracking::leapTo(const FrameConstPtr& given, const std::optional<CameraTurn>& turn) {
+  auto tracked = align(given, turn);
+  if (tracked->status != TrackingStatus::kTracking) return nullptr;
+  learnExposure(tracked, given);
+  degrade(*tracked, "frames before it were left out, and no other has confirmed it yet");
+  judge_.judge(*tracked, false, 0.0);
+  goOnFrom(*tracked);
+  return tracked;
+}
+
+std::shared_ptr<TrackedFrame> FrameTracking::align(const FrameConstPtr& given,
+                                                   const std::optional<CameraTurn>& turn) const {
   const FrameConstPtr frame = asKnownNow(given);
   const TrackingGuess guess = state_.guessFor(*frame, config_.unknown_exposure, turn);
-  auto tracked = std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
+  return std::make_shared<TrackedFrame>(tracker_.track(*reference_, frame, guess));
+}
+
+void FrameTracking::learnExposure(const std::shared_ptr<TrackedFrame>& tracked, const FrameConstPtr& given) {
   tracked->exposure_estimate = exposures_.estimate(given->exposure.has_value(), given->mid_exposure_ns);
   exposures_.add(reference_, tracked, given->exposure);
   if (!given->exposure) tracked->exposures = exposures_.history();
-  judge_.judge(*tracked, lost_.lost(), secondsBetween(state_, *frame));
-  if (!tracked->tracked()) {
-    lost_.lose(frame->mid_exposure_ns, false);
-    return tracked;
-  }
+}
+
+void FrameTracking::goOnFrom(const TrackedFrame& tracked) {
+  if (!tracked.tracked()) return lost_.lose(tracked.frame->mid_exposure_ns, false);
   lost_.find();
-  state_.update(*tracked);
-  T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
-  return tracked;
+  state_.update(tracked);
+  T_odom_camera_ = T_odom_reference_ * tracked.trajectory.T_reference_mid;
 }
 
 std::shared_ptr<TrackedFrame> FrameTracking::trackAhead(const FrameConstPtr& given, TrackingState& newest) {
@@ -92,13 +114,6 @@ double FrameTracking::meanDepth() const {
   double inverse_depths = 0.0;
   for (const ReferencePoint& point : reference_->points) inverse_depths += static_cast<double>(point.inverse_depth);
   return inverse_depths > 0.0 ? static_cast<double>(reference_->points.size()) / inverse_depths : 0.0;
-}
-
-double FrameTracking::imageSpeed() const {
-  const Vector6& v = state_.last().velocity;
-  const double depth = meanDepth();
-  const double parallax = depth > 0.0 ? v.head<3>().norm() / depth : 0.0;  // [rad/s]
-  return reference_->pyramid->level(0).camera.fx * (v.tail<3>().norm() + parallax);
 }
 
 std::optional<SE3> FrameTracking::predicted_T_odom_camera(std::int64_t mid_exposure_ns) const {

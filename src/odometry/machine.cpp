@@ -17,15 +17,11 @@ bool beginsMap(const MapperStep& step) {
   return reference && reference->cause == ReferenceCause::kMapBegins;
 }
 
-bool searchesDepths(const MapperStep& step) {
-  const TrackedFrame& tracked = *step.cause.tracked;
-  return tracked.tracked() && !tracked.provisional && step.had_time;
-}
-
 }  // namespace
 
 double Machine::secondsFor(const TrackerStep& step) const {
   double ms = step.kind == TrackerStep::Kind::kImage ? image : 0.0;
+  if (step.failed_leap) ms += track;
   const TrackedFrameConstPtr& tracked = step.message.tracked;
   if (tracked) {
     const bool aligned = tracked->tracked() || (tracked->status == TrackingStatus::kLost && !tracked->blind);
@@ -44,7 +40,7 @@ StepTime Machine::timeFor(const MapperStep& step) const {
       break;
     case MapperStep::Kind::kFrame:
       serial = millisecondsWithoutMap(step);
-      if (searchesDepths(step)) search = depth_search;
+      if (output.searched_depths) search = depth_search;
       break;
     case MapperStep::Kind::kRefinement:
       if (output.residuals > 0 && !output.keyframe && !output.inserted) {

@@ -64,7 +64,7 @@ void MachineMeter::addFrame(const MapperStep& step, double ms) {
     if (!step.output.keyframe) draft_.add(std::max(0.0, ms - depth_search_.mean()), thousands);
   } else if (tracked.status == TrackingStatus::kInitializing) {
     if (!step.cause.has_reference) look_for_map_.add(ms, thousands);
-  } else if (tracked.tracked() && !tracked.provisional) {
+  } else if (step.output.searched_depths) {
     depth_search_.add(ms);
   }
 }

@@ -81,6 +81,7 @@ void Odometry::trackWaiting(OdometryResult& result, bool at_end) {
   while (tracker_.tracking().reference() && tracker_.queuedJobs() == 0) {
     deliverDueReferences(at_end ? std::numeric_limits<std::uint64_t>::max() : nextFrame());
     if (const std::optional<TrackerStep> late = trackerStep(at_end)) {
+      if (!late->message.tracked) continue;
       result.late.push_back(late->message.tracked);
       map(late->message, nextFrame() - 1, result);
     } else if (tracker_.tracking().waitingFrames() == 0 || !deliverDueReferences(frames_)) {

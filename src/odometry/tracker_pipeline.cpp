@@ -9,7 +9,11 @@
 namespace mba_vo {
 namespace {
 
-constexpr std::size_t kImageBacklog = 8;  // so many images wait: the tracker is behind, and does not go back as well
+constexpr std::size_t kImageBacklog = 8;   // so many images wait: the tracker is behind, and does not go back as well
+constexpr std::size_t kTooManyImages = 2;  // behind an image: with one, the delay is less than two intervals
+
+constexpr const char* kLeaps =
+    "images come faster than they can be tracked: some are left out, and placed by their neighbours for the trajectory";
 
 /// What is known of it before anything is done with it.
 TrackerStep stepOf(const CameraImage& image) {
@@ -106,9 +110,9 @@ TrackerPipeline::Turn TrackerPipeline::turn() const {
     // Where the camera is now is known only when they have been tracked.
     case TrackingPhase::kGoingBack:
       return Turn::kWaitingFrame;
-    // A new image can only be told to wait, which is soon done: by turns.
+    // A new image can only be told to wait, which is soon done: by turns, unless the newest is what is tracked next.
     case TrackingPhase::kCatchingUp:
-      return queue == Turn::kQueue && late_since_image_ ? queue : Turn::kWaitingFrame;
+      return queue == Turn::kQueue && (late_since_image_ || loop_.isInHurry()) ? queue : Turn::kWaitingFrame;
   }
   return queue;
 }
@@ -120,7 +124,7 @@ void TrackerPipeline::adoptReferences() {
     references.swap(references_);
   }
   for (const MapperMessage& message : references) {
-    const bool may_go_back = queue_.size() < kImageBacklog && !pace_.isPressed();
+    const bool may_go_back = queue_.size() < kImageBacklog;
     if (message.session == session_ && loop_.take(message.reference, may_go_back)) {
       corrected_ = intake_.correct(message.reference->correction) || corrected_;
       adopted_.push_back(message.reference);
@@ -147,7 +151,8 @@ TrackerStep TrackerPipeline::takeFrame(const FrameConstPtr& frame) {
 
 /// While frames of the past are tracked, images wait on every machine.
 std::string TrackerPipeline::relieve() {
-  if (loop_.phase() == TrackingPhase::kGoingBack || !load_.isTooHigh(!queue_.empty())) return "";
+  if (loop_.phase() == TrackingPhase::kGoingBack) return "";
+  if (!load_.isTooHigh(!queue_.empty() || loop_.phase() == TrackingPhase::kCatchingUp)) return "";
   return intake_.halve();
 }
 
@@ -174,13 +179,23 @@ TrackerStep TrackerPipeline::takeImage(const CameraImage& image) {
   return step;
 }
 
+Backlog TrackerPipeline::backlog() const {
+  const std::size_t images = queue_.size();
+  if (images == 0) return Backlog::kNothing;
+  return images < kTooManyImages ? Backlog::kSome : Backlog::kTooMuch;
+}
+
 void TrackerPipeline::track(const FrameConstPtr& frame, bool frozen, TrackerStep& step) {
   step.kind = TrackerStep::Kind::kImage;
   step.sequence = frame->sequence;
   step.stamp_ns = frame->stamp_ns;
   step.mid_exposure_ns = frame->mid_exposure_ns;
   step.exposure = frame->exposure;
-  const TrackedFrameConstPtr tracked = loop_.process(frame, queue_.empty(), frozen);
+  const bool keeps_up = loop_.phase() == TrackingPhase::kTracking || loop_.phase() == TrackingPhase::kRevising;
+  const TrackedFrameConstPtr tracked = loop_.process(frame, backlog(), frozen);
+  if (keeps_up && loop_.phase() == TrackingPhase::kCatchingUp && !std::exchange(told_of_leaps_, true)) {
+    step.notice += step.notice.empty() ? kLeaps : std::string("; ") + kLeaps;
+  }
   step.message = messageOf(tracked);
   step.phase = loop_.phase();
   step.T_odom_camera = loop_.T_odom_camera();
@@ -214,14 +229,11 @@ TrackerStep TrackerPipeline::takeCalibration(const KnownCamera& camera) {
 }
 
 std::optional<TrackerStep> TrackerPipeline::trackWaiting(bool may_hold) {
-  if (loop_.phase() == TrackingPhase::kCatchingUp && may_hold) {
-    loop_.leaveOut(pace_.framesToLeaveOut(loop_.waitingFrames(), loop_.newestWaitingNs()));
-  }
   const TrackedFrameConstPtr tracked = loop_.trackWaiting(may_hold);
-  if (loop_.phase() != TrackingPhase::kCatchingUp) pace_.reset();
   late_since_image_ = true;
-  if (!tracked) return std::nullopt;
   TrackerStep step;
+  step.failed_leap = loop_.hasFailedToLeap();
+  if (!tracked) return step.failed_leap ? std::optional(step) : std::nullopt;
   step.kind = TrackerStep::Kind::kLate;
   step.sequence = tracked->frame->sequence;
   step.stamp_ns = tracked->frame->stamp_ns;
@@ -248,7 +260,6 @@ void TrackerPipeline::beginSession() {
   keep_map_ = false;
   loop_.reset();
   covariance_.reset();
-  pace_.reset();
   last_ = {};
 }
 

@@ -3,7 +3,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kImages = 60.0;  // that count, two seconds at 30 Hz: longer than a burst of work of the mapper
+constexpr double kImages = 30.0;  // that count, a second at 30 Hz: longer than a burst of work of the mapper
 constexpr double kMost = 0.3;     // of them; a machine that keeps up has single ones, one that does not all
 
 }  // namespace

@@ -4,15 +4,16 @@
 #include <cmath>
 #include <utility>
 
+#include "mba_vo/geometry/angles.h"
 #include "mba_vo/image/image_content.h"
 #include "mba_vo/odometry/tracking_results.h"
+#include "mba_vo/trajectory/pose_interpolation.h"
 
 namespace mba_vo {
 namespace {
 
 constexpr double kMapperTime = 1.0;           // [s] frames wait for so much longer than the initialiser keeps them
 constexpr double kLongestRevision = 1.0;      // [s] of frames that are tracked once more while new ones come
-constexpr double kLongestJump = 24.0;         // [px] of the image from a tracked frame to the next, if any are left out
 constexpr double kUnknownVariance = 1e6;      // of a position that nothing has measured [m^2]
 constexpr double kLargestUncertainty = 0.02;  // depths; of a place that is published: of so much a map is made
 constexpr const char* kNoMap = "no map yet";
@@ -25,20 +26,26 @@ TrackingLoop::TrackingLoop(const OdometryConfig& config)
     : frames_(config.tracker),
       scheduler_(KeyframePolicy(config.keyframe)),
       longest_wait_(config.mapper.initializer.buffer_seconds + kMapperTime),
+      motion_prior_(config.tracker.motion_prior),
       reckoning_(config.tracker, longest_wait_),
       no_map_reason_(kNoMap) {}
 
-TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame, bool has_time, bool frozen) {
+TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame, Backlog backlog, bool frozen) {
   if (!hasContent(frame->pyramid)) return blind(frame, kNoContent);
   if (frozen) return blind(frame, kFrozen);
-  if (phase_ == TrackingPhase::kRevising && !KeyframeScheduler::isBad(worst_need_)) leaveRevisions();
+  const bool enough = backlog == Backlog::kTooMuch || !KeyframeScheduler::isBad(worst_need_);
+  if (phase_ == TrackingPhase::kRevising && enough) leaveRevisions();
   if (phase_ == TrackingPhase::kRevising) {
     if (auto tracked = trackAhead(frame)) return tracked;
   }
-  if (phase_ == TrackingPhase::kTracking || phase_ == TrackingPhase::kLost) {
-    return trackNow({frame, true, false, false}, has_time);
+  if (phase_ == TrackingPhase::kTracking && backlog == Backlog::kTooMuch) {
+    change(TrackingEvent::kFallBehind);
+    leap_.hurry();
   }
-  return wait(frame, has_time);
+  if (phase_ == TrackingPhase::kTracking || phase_ == TrackingPhase::kLost) {
+    return trackNow({frame, true, false, false}, backlog == Backlog::kNothing);
+  }
+  return wait(frame, backlog);
 }
 
 bool TrackingLoop::take(const ReferenceConstPtr& reference, bool may_go_back) {
@@ -54,6 +61,7 @@ bool TrackingLoop::take(const ReferenceConstPtr& reference, bool may_go_back) {
 }
 
 TrackedFrameConstPtr TrackingLoop::trackWaiting(bool may_hold) {
+  failed_leap_ = false;
   if (phase_ == TrackingPhase::kNoMap || waiting_.empty()) return nullptr;
   waiting_.dropUntil(frames_.state().lastNs());
   if (waiting_.empty()) {
@@ -64,7 +72,13 @@ TrackedFrameConstPtr TrackingLoop::trackWaiting(bool may_hold) {
   if (may_hold && scheduler_.holds(waiting_)) return nullptr;
   const ExposureTrajectory before = frames_.state().last();
   const std::int64_t before_ns = frames_.state().lastNs();
-  const auto tracked = track(waiting_.takeFirst());
+  std::size_t over = 0;
+  if (may_hold && phase_ == TrackingPhase::kCatchingUp) {
+    over = leap_.over(waiting_.size(), waiting_.back().frame->mid_exposure_ns);
+  }
+  const auto tracked = over > 0 ? leap(over) : track(waiting_.takeFirst());
+  failed_leap_ = !tracked;
+  if (!tracked) return nullptr;
   if (tracked->tracked()) interpolate(before, before_ns, *tracked);
   left_out_.clear();
   if (phase_ != TrackingPhase::kRevising || tracked->tracked()) return tracked;
@@ -72,33 +86,43 @@ TrackedFrameConstPtr TrackingLoop::trackWaiting(bool may_hold) {
   return nullptr;
 }
 
-void TrackingLoop::leaveOut(std::size_t frames) {
-  const double longest = std::min(kLongestPrediction, kLongestJump / std::max(1.0, frames_.imageSpeed()));  // [s]
-  const auto latest = frames_.state().lastNs() + std::llround(1e9 * longest);
-  for (; frames > 0 && waiting_.size() > 1 && waiting_.next().frame->mid_exposure_ns <= latest; --frames) {
-    left_out_.push_back(waiting_.takeFirst().frame);
+/// Null if the frame is out of reach.
+std::shared_ptr<TrackedFrame> TrackingLoop::leap(std::size_t over) {
+  const WaitingFrame& next = waiting_.at(over);
+  const TrackingState before = frames_.state();
+  const auto turn = reckoning_.turnBetween(before.lastNs(), next.frame->mid_exposure_ns);
+  auto tracked = frames_.leapTo(next.frame, turn);
+  if (!tracked) {
+    leap_.fail(over);
+    return nullptr;
   }
+  for (; over > 0; --over) left_out_.push_back(waiting_.takeFirst().frame);
+  goOnFrom(waiting_.takeFirst(), before, *tracked);
+  return tracked;
 }
 
 std::vector<TrackedFrameConstPtr> TrackingLoop::takeInterpolated() { return std::exchange(interpolated_, {}); }
 
 /// The frames that were left out between two that were tracked.
 void TrackingLoop::interpolate(const ExposureTrajectory& before, std::int64_t before_ns, const TrackedFrame& after) {
-  const ExposureTrajectory& end = after.trajectory;
-  const double interval = static_cast<double>(after.frame->mid_exposure_ns - before_ns);  // [ns]
-  const Vector6 way = (before.T_reference_mid.inverse() * end.T_reference_mid).log();
-  // A constant acceleration would bend the way by an eighth of the change of velocity.
-  const Vector6 bend = 1e-9 * interval / 8.0 * (end.velocity - before.velocity);
+  const std::int64_t after_ns = after.frame->mid_exposure_ns;
+  const StampedPose begin{before_ns, before.T_reference_mid, before.velocity};
+  const StampedPose end{after_ns, after.trajectory.T_reference_mid, after.trajectory.velocity};
+  const double interval = 1e-9 * static_cast<double>(after_ns - before_ns);  // [s]
+  Vector6 swing;  // to each side, if the acceleration swings once in the meantime [m, rad]
+  swing.head<3>().setConstant(motion_prior_.linear_acceleration * frames_.meanDepth());
+  swing.tail<3>().setConstant(motion_prior_.angular_acceleration);
+  swing *= interval * interval / (4.0 * kPi * kPi);
   for (const FrameConstPtr& frame : left_out_) {
-    const double share = static_cast<double>(frame->mid_exposure_ns - before_ns) / interval;
+    const StampedPose there = interpolatePose(begin, end, frame->mid_exposure_ns);
     const auto placed = untracked(frame, TrackingStatus::kDegraded, "left out to catch up, placed by its neighbours");
     placed->reference = after.reference;
-    placed->trajectory = end;
-    placed->trajectory.T_reference_mid = before.T_reference_mid * SE3::exp(share * way);
-    placed->trajectory.velocity = (1.0 - share) * before.velocity + share * end.velocity;
+    placed->trajectory = after.trajectory;
+    placed->trajectory.T_reference_mid = there.T_map_camera;
+    placed->trajectory.velocity = there.velocity;
     placed->brightness = after.brightness;
     placed->covariance = after.covariance;
-    placed->covariance.topLeftCorner<6, 6>() += bend * bend.transpose();
+    placed->covariance.diagonal().head<6>() += swing.cwiseAbs2();
     placed->expected_error = after.expected_error;
     interpolated_.push_back(placed);
   }
@@ -108,6 +132,7 @@ void TrackingLoop::reset() {
   change(TrackingEvent::kReset);
   frames_.reset();
   waiting_.clear();
+  leap_.reset();
   left_out_.clear();
   interpolated_.clear();
   recent_.clear();
@@ -147,6 +172,8 @@ bool TrackingLoop::beginMap(const ReferenceConstPtr& reference) {
   frames_.begin(reference, reckoning_.T_odom_cameraAt(reference->hint->mid_exposure_ns));
   recent_.clear();
   scheduler_.meet();
+  leap_.reset();
+  waiting_.dropUntil(frames_.state().lastNs());
   change(TrackingEvent::kMapBegins);
   if (waiting_.empty()) change(TrackingEvent::kNothingWaits);
   return true;
@@ -165,11 +192,12 @@ void TrackingLoop::changeKeyframe(const ReferenceConstPtr& reference, bool may_g
                               : frames_.changeReference(reference);
   newest_.changeReference(T_new_old);
   recent_.changeReference(T_new_old);
+  leap_.lookFurther();
   scheduler_.meet();
   std::vector<RecentFrames::Entry> again =
       recent_.takeAfter(found ? frames_.state().lastNs() : reference->mid_exposure_ns);
   if (found && !again.empty()) again.front().before = frames_.state();
-  if (!may_go_back || again.empty()) return change(TrackingEvent::kKeyframe);
+  if (!may_go_back || leap_.isPressed() || again.empty()) return change(TrackingEvent::kKeyframe);
   frames_.goOnFrom(again.front().before);
   for (const RecentFrames::Entry& entry : again) worst_need_ = std::max(worst_need_, entry.need);
   waiting_.addRevisions(again);
@@ -177,12 +205,12 @@ void TrackingLoop::changeKeyframe(const ReferenceConstPtr& reference, bool may_g
 }
 
 /// A frame that comes too early for what is being done.
-TrackedFrameConstPtr TrackingLoop::wait(const FrameConstPtr& frame, bool has_time) {
+TrackedFrameConstPtr TrackingLoop::wait(const FrameConstPtr& frame, Backlog backlog) {
   const bool has_map = phase_ != TrackingPhase::kNoMap;
   const auto result = untracked(frame, TrackingStatus::kInitializing,
                                 has_map ? "earlier frames are still being tracked" : no_map_reason_);
   // With a map, what waits needs the time: the sooner it is tracked, the sooner there is a pose.
-  if (!has_map && has_time) reckon(reckoning_.track(frame), *result);
+  if (!has_map && backlog == Backlog::kNothing) reckon(reckoning_.track(frame), *result);
   waiting_.add({frame, false, false, false});
   waiting_.dropOlderThan(longest_wait_);
   if (has_map) change(TrackingEvent::kImageWaits);
@@ -236,22 +264,28 @@ std::shared_ptr<TrackedFrame> TrackingLoop::trackNow(const WaitingFrame& next, b
 }
 
 std::shared_ptr<TrackedFrame> TrackingLoop::track(const WaitingFrame& next) {
-  RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, KeyframeScheduler::kLost, frames_.state()};
-  const auto turn = reckoning_.turnBetween(frames_.state().lastNs(), next.frame->mid_exposure_ns);
-  auto tracked = frames_.track(next.frame, turn);
-  if (tracked->tracked()) {
-    scheduler_.judge(*frames_.reference(), next.mapped, *tracked);
-    entry.mapped = next.mapped || !tracked->provisional;
-    entry.need = scheduler_.need();
-    if (waiting_.empty()) reckoning_.beginAt(*tracked, frames_.T_odom_camera(), frames_.meanDepth());
-  }
-  recent_.add(entry, !tracked->tracked() || scheduler_.isWorthRevision());
-  const bool waited = phase_ != TrackingPhase::kTracking && phase_ != TrackingPhase::kLost;
-  if (waited && !waiting_.empty()) return tracked;
-  if (waited && phase_ == TrackingPhase::kRevising && !tracked->tracked()) return tracked;  // the first results stand
-  if (waited) change(TrackingEvent::kNothingWaits);
-  change(tracked->tracked() ? TrackingEvent::kFrameTracked : TrackingEvent::kFrameLost);
+  const TrackingState before = frames_.state();
+  auto tracked = frames_.track(next.frame, reckoning_.turnBetween(before.lastNs(), next.frame->mid_exposure_ns));
+  goOnFrom(next, before, *tracked);
   return tracked;
+}
+
+/// `tracked`: the same frame, by what was known `before`.
+void TrackingLoop::goOnFrom(const WaitingFrame& next, const TrackingState& before, TrackedFrame& tracked) {
+  RecentFrames::Entry entry = {next.frame, next.in_time, next.mapped, KeyframeScheduler::kLost, before};
+  if (tracked.tracked()) {
+    scheduler_.judge(*frames_.reference(), next.mapped, tracked);
+    entry.mapped = next.mapped || !tracked.provisional;
+    entry.need = scheduler_.need();
+    if (waiting_.empty()) reckoning_.beginAt(tracked, frames_.T_odom_camera(), frames_.meanDepth());
+  }
+  recent_.add(entry, !tracked.tracked() || scheduler_.isWorthRevision());
+  const bool waited = phase_ != TrackingPhase::kTracking && phase_ != TrackingPhase::kLost;
+  if (waited && !waiting_.empty()) return;
+  if (waited && phase_ == TrackingPhase::kRevising && !tracked.tracked()) return;  // the first results stand
+  if (waited) change(TrackingEvent::kNothingWaits);
+  if (waited) leap_.reset();
+  change(tracked.tracked() ? TrackingEvent::kFrameTracked : TrackingEvent::kFrameLost);
 }
 
 }  // namespace mba_vo

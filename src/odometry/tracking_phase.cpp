@@ -11,9 +11,9 @@ const char* toString(TrackingPhase phase) {
 }
 
 const char* toString(TrackingEvent event) {
-  constexpr const char* kNames[] = {"map begins",    "map closed",  "keyframe",      "revise",
-                                    "go back",       "image waits", "nothing waits", "go on",
-                                    "frame tracked", "frame lost",  "reset"};
+  constexpr const char* kNames[] = {"map begins", "map closed",    "keyframe",      "revise",
+                                    "go back",    "image waits",   "nothing waits", "fall behind",
+                                    "go on",      "frame tracked", "frame lost",    "reset"};
   return kNames[static_cast<std::size_t>(event)];
 }
 
@@ -36,6 +36,7 @@ const PhaseTable<TrackingPhase, TrackingEvent>& trackingTable() {
       {P::kTracking, E::kMapClosed, P::kNoMap},
       {P::kTracking, E::kKeyframe, P::kTracking},
       {P::kTracking, E::kRevise, P::kRevising},
+      {P::kTracking, E::kFallBehind, P::kCatchingUp},
       {P::kTracking, E::kFrameTracked, P::kTracking},
       {P::kTracking, E::kFrameLost, P::kLost},
       {P::kTracking, E::kReset, P::kNoMap},

@@ -145,7 +145,7 @@ TEST(LiveSimulation, OverloadIsNotSilence) {
 /// So slow that without thinning out what waits there would never be a pose.
 TEST(LiveSimulation, WhatWaitsIsThinnedOutUntilItIsCaughtUpWith) {
   constexpr int kMoreImages = 220;
-  Machine slow_core = Machine().slowedBy(2.8);
+  Machine slow_core = Machine().slowedBy(3.2);
   slow_core.cores = 1.0;
   const LiveRun run = runOn(slow_core, rendered(kMoreImages));
   const auto map = firstMapped(run);

@@ -26,6 +26,7 @@ MapperStep frameStep(TrackingStatus status) {
   step.kind = MapperStep::Kind::kFrame;
   step.cause = imageStep(status, 0.0).message;
   step.output.searched = status == TrackingStatus::kLost;
+  step.output.searched_depths = status == TrackingStatus::kTracking;
   return step;
 }
 

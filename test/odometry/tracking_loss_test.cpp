@@ -79,7 +79,7 @@ TEST(TrackingLoop, AFrozenImageIsNoMeasurement) {
   TrackingLoop loop{OdometryConfig()};
   adopt(loop, makeReference(1, 0, 0, SE3(), 0));
   EXPECT_TRUE(loop.process(frame(1))->tracked());
-  const TrackedFrameConstPtr tracked = loop.process(frame(2), true, true);
+  const TrackedFrameConstPtr tracked = loop.process(frame(2), Backlog::kNothing, true);
   EXPECT_EQ(tracked->status, TrackingStatus::kLost);
   EXPECT_TRUE(tracked->blind);
   EXPECT_NE(tracked->reason.find("frozen"), std::string::npos) << tracked->reason;

@@ -14,9 +14,9 @@ using Event = TrackingEvent;
 
 const std::set<Phase> kPhases = {Phase::kNoMap,    Phase::kCatchingUp, Phase::kTracking,
                                  Phase::kRevising, Phase::kGoingBack,  Phase::kLost};
-const std::set<Event> kEvents = {Event::kMapBegins,    Event::kMapClosed,  Event::kKeyframe,     Event::kRevise,
-                                 Event::kGoBack,       Event::kImageWaits, Event::kNothingWaits, Event::kGoOn,
-                                 Event::kFrameTracked, Event::kFrameLost,  Event::kReset};
+const std::set<Event> kEvents = {Event::kMapBegins, Event::kMapClosed,    Event::kKeyframe,     Event::kRevise,
+                                 Event::kGoBack,    Event::kImageWaits,   Event::kNothingWaits, Event::kFallBehind,
+                                 Event::kGoOn,      Event::kFrameTracked, Event::kFrameLost,    Event::kReset};
 
 TEST(TrackingPhase, WhatIsNotInTheTableCannotHappen) { expectNothingElse(trackingTable(), kPhases, kEvents); }
 

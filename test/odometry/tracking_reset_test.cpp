@@ -144,7 +144,7 @@ const LoopState kLoopStates[] = {
     {"Frozen",
      [](TrackingLoop& loop) {
        trackFrom(loop, 1, 3);
-       const TrackedFrameConstPtr tracked = loop.process(later(toFloat(view(3).blurred), 0.5), true, true);
+       const TrackedFrameConstPtr tracked = loop.process(later(toFloat(view(3).blurred), 0.5), Backlog::kNothing, true);
        EXPECT_TRUE(tracked->blind);
      }},
     {"TrackingOnceMore",

@@ -68,9 +68,71 @@ TEST(TrackingLoop, WaitingFramesHoldForTheKeyframeTheyAskedFor) {
   }
   const TrackedFrameConstPtr at_last = loop.process(elsewhere(0.35));
   EXPECT_EQ(at_last->status, loop.waitingFrames() > 0 ? TrackingStatus::kInitializing : TrackingStatus::kLost);
-  while (loop.trackWaiting()) {
+  while (loop.trackWaiting() || loop.hasFailedToLeap()) {
   }
   EXPECT_EQ(loop.waitingFrames(), 0U);
+}
+
+/// Frames 1 to `last` wait when the map begins with frame 0.
+void letWait(TrackingLoop& loop, int last) {
+  for (int i = 0; i <= last; ++i) loop.process(frame(i));
+  ASSERT_TRUE(loop.take(makeReference(1, 0, 0, SE3(), 0)));
+}
+
+TEST(TrackingLoop, WhereManyWaitItGoesOnFromTheNewestAtOnce) {
+  constexpr int kLast = 12;
+  TrackingLoop loop{OdometryConfig()};
+  letWait(loop, kLast);
+  const TrackedFrameConstPtr newest = loop.trackWaiting();
+  ASSERT_NE(newest, nullptr);
+  EXPECT_EQ(newest->frame->sequence, view(kLast).id);
+  EXPECT_LT(distance(newest->trajectory.T_reference_mid, truth(0, kLast)), kClose);
+  EXPECT_EQ(newest->status, TrackingStatus::kDegraded) << "nothing confirms it yet";
+  EXPECT_EQ(loop.phase(), TrackingPhase::kTracking);
+  const std::vector<TrackedFrameConstPtr> placed = loop.takeInterpolated();
+  ASSERT_EQ(placed.size(), static_cast<std::size_t>(kLast - 1));
+  for (int i = 1; i < kLast; ++i) {
+    const TrackedFrame& between = *placed.at(static_cast<std::size_t>(i - 1));
+    EXPECT_EQ(between.frame->sequence, view(i).id);
+    const Vector6 error = (truth(0, i).inverse() * between.trajectory.T_reference_mid).log();
+    const Matrix6 covariance = between.covariance.topLeftCorner<6, 6>();
+    EXPECT_LT(error.dot(covariance.ldlt().solve(error)), 9.0 * 6.0) << "it says how well it is known";
+  }
+  EXPECT_EQ(loop.process(frame(kLast + 1))->status, TrackingStatus::kTracking);
+}
+
+TEST(TrackingLoop, ALeapThatIsTooFarIsTriedHalfAsFar) {
+  constexpr int kLast = 12;
+  TrackingLoop loop{OdometryConfig()};
+  for (int i = 0; i < kLast; ++i) loop.process(frame(i));
+  loop.process(elsewhere(0.0));
+  loop.take(makeReference(1, 0, 0, SE3(), 0));
+  EXPECT_EQ(loop.trackWaiting(), nullptr);
+  EXPECT_TRUE(loop.hasFailedToLeap());
+  EXPECT_EQ(loop.waitingFrames(), static_cast<std::size_t>(kLast));
+  const TrackedFrameConstPtr half = loop.trackWaiting();
+  ASSERT_NE(half, nullptr);
+  EXPECT_FALSE(loop.hasFailedToLeap());
+  EXPECT_GT(half->frame->sequence, view(2).id);
+  EXPECT_LT(half->frame->sequence, view(kLast - 1).id);
+  const auto reached = static_cast<int>(half->frame->sequence - view(0).id);
+  EXPECT_LT(distance(half->trajectory.T_reference_mid, truth(0, reached)), kClose);
+}
+
+TEST(TrackingLoop, WhereImagesComeTooFastSomeAreLeftOut) {
+  TrackingLoop loop{OdometryConfig()};
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  ASSERT_EQ(loop.process(frame(1), Backlog::kSome)->status, TrackingStatus::kTracking);
+  for (int i = 2; i <= 4; ++i) {
+    const TrackedFrameConstPtr waits = loop.process(frame(i), i < 3 ? Backlog::kTooMuch : Backlog::kSome);
+    EXPECT_EQ(waits->status, TrackingStatus::kInitializing);
+    EXPECT_EQ(loop.phase(), TrackingPhase::kCatchingUp);
+  }
+  const TrackedFrameConstPtr newest = loop.trackWaiting();
+  ASSERT_NE(newest, nullptr);
+  EXPECT_EQ(newest->frame->sequence, view(4).id);
+  EXPECT_EQ(loop.takeInterpolated().size(), 2U);
+  EXPECT_EQ(loop.phase(), TrackingPhase::kTracking);
 }
 
 TEST(TrackingLoop, FramesThatSawTheirReferenceBadlyAreTrackedAgainAgainstTheNext) {

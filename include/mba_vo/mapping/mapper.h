@@ -23,6 +23,7 @@ struct MapperOutput {
   bool inserted = false;                        // a keyframe: the reference is a draft of it
   bool refinement = false;                      // a piece of that of a keyframe: it is of no frame
   bool searched = false;                        // for a frame that the tracker lost, among the keyframes
+  bool searched_depths = false;                 // in the frame
   int residuals = 0;                            // that the optimisation, or what it was instead, went through
   std::optional<KeyframeReport> keyframe;       // set if one has been refined, or had to do with what there was
   std::optional<SharpKeyframe> sharp_keyframe;  // set if one has been deblurred

@@ -44,11 +44,12 @@ class FrameTracking {
 
   /// Aligns the next frame and goes on from it, if it is not lost. `turn`: since state(), if that is known.
   std::shared_ptr<TrackedFrame> track(const FrameConstPtr& given, const std::optional<CameraTurn>& turn);
+  /// The same of a frame far from the last one, but only if it is clearly where it seems to be: else nothing has
+  /// changed, and null is returned.
+  std::shared_ptr<TrackedFrame> leapTo(const FrameConstPtr& given, const std::optional<CameraTurn>& turn);
   /// Aligns a frame from what `newest` tells, which goes on from it, while state() stays. Null if it is lost.
   std::shared_ptr<TrackedFrame> trackAhead(const FrameConstPtr& given, TrackingState& newest);
 
-  /// How fast the image moves, by the last frame: of points at the mean depth of the reference's [px/s].
-  double imageSpeed() const;
   /// At which the points of the reference lie, by the mean of their inverse depths [m]; 0 if they lie nowhere.
   double meanDepth() const;
 
@@ -65,6 +66,9 @@ class FrameTracking {
  private:
   /// With the exposure and the row time that are known by now.
   FrameConstPtr asKnownNow(const FrameConstPtr& frame) const;
+  std::shared_ptr<TrackedFrame> align(const FrameConstPtr& given, const std::optional<CameraTurn>& turn) const;
+  void learnExposure(const std::shared_ptr<TrackedFrame>& tracked, const FrameConstPtr& given);
+  void goOnFrom(const TrackedFrame& tracked);
   /// Through the poses that came with the new snapshot: map coordinates of different moments do not mix.
   SE3 T_newReference_oldReference(const Reference& next) const;
 

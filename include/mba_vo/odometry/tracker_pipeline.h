@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "mba_vo/odometry/bounded_queue.h"
-#include "mba_vo/odometry/catch_up_pace.h"
 #include "mba_vo/odometry/image_intake.h"
 #include "mba_vo/odometry/pipeline_messages.h"
 #include "mba_vo/odometry/tracking_load.h"
@@ -42,6 +41,7 @@ struct TrackerStep {
   bool contradicts_calibration = false;  // rejected because it is not of the calibration's size or kind
   bool began_anew = false;               // what went before has been forgotten first
   double build_ms = 0.0;                 // time taken to make a frame of the image
+  bool failed_leap = false;              // a frame that waits was tried, and is too far away
   std::vector<TrackerMessage> placed;  // further ones, for the mapper half, after `message`: frames that were left out
   TrackerMessage message;              // for the mapper half; without `tracked` there is none
   TrackedFrameConstPtr repeated;  // of a repeated image: what was found for the earlier one, under the stamp of this
@@ -122,6 +122,7 @@ class TrackerPipeline {
   TrackerStep takeFrame(const FrameConstPtr& frame);
   TrackerStep takeCalibration(const KnownCamera& camera);
   std::optional<TrackerStep> trackWaiting(bool may_hold);
+  Backlog backlog() const;
   TrackerStep reset(const std::string& reason);
   void beginSession();
   void track(const FrameConstPtr& frame, bool frozen, TrackerStep& step);
@@ -135,15 +136,15 @@ class TrackerPipeline {
   // Of the one thread from here on.
   ImageIntake intake_;
   TrackingLoop loop_;
-  CatchUpPace pace_;
   TrackingLoad load_;
   OdometryCovariance covariance_;
   std::optional<TrackerStep> in_work_;
-  TrackerStep last_;               // of the newest image that had a result of its own
-  bool late_since_image_ = false;  // a waiting frame has been tracked since the last image
+  TrackerStep last_;  // of the newest image that had a result of its own
   std::uint64_t session_;
-  std::string camera_frame_;  // of the newest image
+  std::string camera_frame_;       // of the newest image
+  bool late_since_image_ = false;  // a waiting frame has been tracked since the last image
   bool keep_map_ = true;
+  bool told_of_leaps_ = false;
   std::vector<ReferenceConstPtr> adopted_;
   std::size_t stale_ = 0;
   bool corrected_ = false;

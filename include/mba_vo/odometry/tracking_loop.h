@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "mba_vo/odometry/catch_up_leap.h"
 #include "mba_vo/odometry/config.h"
 #include "mba_vo/odometry/dead_reckoning.h"
 #include "mba_vo/odometry/frame_tracking.h"
@@ -16,6 +17,13 @@
 
 namespace mba_vo {
 
+/// What waits behind an image that is taken.
+enum class Backlog {
+  kNothing,  // it is the newest
+  kSome,     // the tracker is busy, and may catch up
+  kTooMuch   // it does not keep up: not every image can be tracked
+};
+
 /// Decides what becomes of every frame: it is tracked at once, ahead of others, or has to wait; and which frames are
 /// tracked once more when a reference comes. What it does is named by its phase. Not thread-safe: one thread calls it.
 class TrackingLoop {
@@ -24,9 +32,10 @@ class TrackingLoop {
 
   TrackingPhase phase() const { return phase_; }
 
-  /// Every frame gives exactly one result; never null. Without time to spare, what cannot be aligned to the map has no
-  /// orientation. `frozen`: the image has been the same for long, and the camera may be anywhere.
-  TrackedFrameConstPtr process(const FrameConstPtr& frame, bool has_time = true, bool frozen = false);
+  /// Every frame gives exactly one result; never null. Where others wait, what cannot be aligned to the map has no
+  /// orientation; where too many do, a frame waits as well, to be leapt over. `frozen`: the image has been the same for
+  /// long, and the camera may be anywhere.
+  TrackedFrameConstPtr process(const FrameConstPtr& frame, Backlog backlog = Backlog::kNothing, bool frozen = false);
   /// Takes a newer snapshot; the prior is re-expressed through the poses that came with it. False if it is of no use.
   /// With another keyframe, frames that were lost, or saw the older one badly, and came after the new one's image, wait
   /// to be tracked once more; unless it may not go back, for want of time.
@@ -36,11 +45,12 @@ class TrackingLoop {
   /// that was asked for is waited for before the view is left.
   TrackedFrameConstPtr trackWaiting(bool may_hold = true);
   std::size_t waitingFrames() const { return waiting_.size(); }
-  std::int64_t newestWaitingNs() const { return waiting_.empty() ? 0 : waiting_.back().frame->mid_exposure_ns; }
-  /// Leaves out the oldest of those that wait, but never so many that the image has moved too far for the next.
-  void leaveOut(std::size_t frames);
-  /// Those left out since the last call, if the next one was tracked: placed between their neighbours, for the mapper,
-  /// which tracks them when it has time.
+  /// New images are to wait before any of those that wait already is tracked: the newest is where it goes on.
+  bool isInHurry() const { return phase_ == TrackingPhase::kCatchingUp && leap_.isHurried(); }
+  /// A frame was tried in the last call of trackWaiting(), which was too far away.
+  bool hasFailedToLeap() const { return failed_leap_; }
+  /// Frames leapt over since the last call, if the next one was tracked: placed between their neighbours, for the
+  /// mapper, which tracks them when it has time.
   std::vector<TrackedFrameConstPtr> takeInterpolated();
 
   /// Forgets the reference and the prior.
@@ -63,21 +73,26 @@ class TrackingLoop {
   bool leave(const Reference& closed);
   bool beginMap(const ReferenceConstPtr& reference);
   void changeKeyframe(const ReferenceConstPtr& reference, bool may_go_back);
-  TrackedFrameConstPtr wait(const FrameConstPtr& frame, bool has_time);
+  TrackedFrameConstPtr wait(const FrameConstPtr& frame, Backlog backlog);
   void reckon(bool measured, TrackedFrame& result);
   TrackedFrameConstPtr trackAhead(const FrameConstPtr& frame);
   void leaveRevisions();
   void interpolate(const ExposureTrajectory& before, std::int64_t before_ns, const TrackedFrame& after);
   std::shared_ptr<TrackedFrame> trackNow(const WaitingFrame& next, bool has_time);
   std::shared_ptr<TrackedFrame> track(const WaitingFrame& next);
+  std::shared_ptr<TrackedFrame> leap(std::size_t over);
+  void goOnFrom(const WaitingFrame& next, const TrackingState& before, TrackedFrame& tracked);
   void change(TrackingEvent event) { phase_ = nextPhase(trackingTable(), phase_, event); }
 
   TrackingPhase phase_ = TrackingPhase::kNoMap;
   FrameTracking frames_;
   KeyframeScheduler scheduler_;
-  double longest_wait_;      // [s]
+  double longest_wait_;  // [s]
+  MotionPriorConfig motion_prior_;
   DeadReckoning reckoning_;  // since the newest frame that was tracked
   WaitingFrames waiting_;
+  CatchUpLeap leap_;
+  bool failed_leap_ = false;
   std::vector<FrameConstPtr> left_out_;             // after the last tracked frame
   std::vector<TrackedFrameConstPtr> interpolated_;  // not taken yet
   RecentFrames recent_;                             // before those that wait

@@ -23,6 +23,7 @@ enum class TrackingEvent {
   kGoBack,        // the same, and the newest one was lost
   kImageWaits,    // a new image could not be tracked at once
   kNothingWaits,  // the last frame that waited has been tracked
+  kFallBehind,    // images come in faster than they can be tracked
   kGoOn,          // frames still to be revised are left as they are
   kFrameTracked,  // with nothing waiting
   kFrameLost,     // the same

@@ -22,7 +22,7 @@ class WaitingFrames {
   bool empty() const { return frames_.empty(); }
   std::size_t size() const { return frames_.size(); }
   const WaitingFrame& front() const { return frames_.front(); }
-  const WaitingFrame& next() const { return frames_.at(1); }  // after the front
+  const WaitingFrame& at(std::size_t place) const { return frames_.at(place); }  // from the front
   const WaitingFrame& back() const { return frames_.back(); }
   double seconds() const;  // from the first to the last
   /// True if there are any and all of them have been tracked before.
