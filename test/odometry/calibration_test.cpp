@@ -78,7 +78,7 @@ TEST(Calibration, ARollingShutterIsFound) {
   SimulationConfig rolling = config();
   rolling.row_time = kRowTime;
   const test::RenderedSequence sequence = test::renderFrames(rolling, 0, kFrames);
-  const Correction found = run(sequence, sequence.calibration, 3);
+  const Correction found = run(sequence, sequence.calibration, 2);
   const double readout = kRowTime * sequence.calibration.height;
   EXPECT_NEAR(found[Correction::kReadout], readout, 0.1 * readout) << found.values.transpose();
 }

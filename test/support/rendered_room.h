@@ -29,7 +29,7 @@ inline const Simulator& roomSimulator() {
 /// One of its frames.
 inline SimulatedFrame roomView(int index) {
   static const FrameCache cache = testFrames(roomConfig());
-  return renderCached(roomSimulator(), index, cache);
+  return testFrame(roomSimulator(), index, cache);
 }
 
 inline cv::Mat1f toFloat(const cv::Mat1b& image) {

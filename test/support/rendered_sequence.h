@@ -28,7 +28,7 @@ inline RenderedSequence renderFrames(const SimulationConfig& config, int first, 
   const Simulator simulator(config, sharedRoom());
   const FrameCache cache = testFrames(config);
   RenderedSequence sequence{simulator.calibration(), {}};
-  for (int i = first; i < first + count; ++i) sequence.frames.push_back(renderCached(simulator, i, cache));
+  for (int i = first; i < first + count; ++i) sequence.frames.push_back(testFrame(simulator, i, cache));
   return sequence;
 }
 

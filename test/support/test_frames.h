@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -13,6 +15,26 @@ namespace mba_vo::test {
 inline FrameCache testFrames(const SimulationConfig& config) {
   const std::string folder = "mba_vo_test_frames_" + std::to_string(::getuid());
   return {(std::filesystem::temp_directory_path() / folder).string(), config};
+}
+
+/// Held by one process at a time, without it if the file cannot be made.
+class FileLock {
+ public:
+  explicit FileLock(const std::string& file) : descriptor_(::open(file.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600)) {
+    ::flock(descriptor_, LOCK_EX);
+  }
+  ~FileLock() { ::close(descriptor_); }
+  FileLock(const FileLock&) = delete;
+  FileLock& operator=(const FileLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
+/// Of tests that want the same frame at the same time one renders it and the others wait.
+inline SimulatedFrame testFrame(const Simulator& simulator, int index, const FrameCache& cache) {
+  const FileLock lock(cache.folder() + "/" + std::to_string(index) + ".lock");
+  return renderCached(simulator, index, cache);
 }
 
 }  // namespace mba_vo::test
