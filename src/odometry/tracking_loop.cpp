@@ -132,7 +132,6 @@ void TrackingLoop::reset() {
   change(TrackingEvent::kReset);
   frames_.reset();
   waiting_.clear();
-  leap_.reset();
   left_out_.clear();
   interpolated_.clear();
   recent_.clear();
@@ -284,7 +283,6 @@ void TrackingLoop::goOnFrom(const WaitingFrame& next, const TrackingState& befor
   if (waited && !waiting_.empty()) return;
   if (waited && phase_ == TrackingPhase::kRevising && !tracked.tracked()) return;  // the first results stand
   if (waited) change(TrackingEvent::kNothingWaits);
-  if (waited) leap_.reset();
   change(tracked.tracked() ? TrackingEvent::kFrameTracked : TrackingEvent::kFrameLost);
 }
 

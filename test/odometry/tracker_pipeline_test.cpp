@@ -116,6 +116,22 @@ TEST(TrackerPipeline, ImagesAndFramesThatWaitTakeTurnsWhileCatchingUp) {
   EXPECT_EQ(pipeline.tracking().phase(), TrackingPhase::kTracking);
 }
 
+TEST(TrackerPipeline, WhereImagesComeTooFastTheNewestIsTrackedAndTheOthersArePlaced) {
+  TrackerPipeline pipeline(pipelineConfig(), kSession);
+  begin(pipeline, 2);
+  for (int i = 3; i <= 7; ++i) pipeline.addImage(image(i));
+  int told = 0;
+  std::size_t placed = 0;
+  for (const TrackerStep& step : drain(pipeline)) {
+    told += step.notice.find("some are left out") != std::string::npos ? 1 : 0;
+    placed += step.placed.size();
+  }
+  EXPECT_EQ(told, 1);
+  EXPECT_GT(placed, 0U);
+  EXPECT_EQ(pipeline.tracking().phase(), TrackingPhase::kTracking);
+  EXPECT_LT(distance(pipeline.tracking().T_map_odom() * pipeline.tracking().T_odom_camera(), truth(0, 7)), kClose);
+}
+
 TEST(TrackerPipeline, NewImagesGoBeforeFramesThatAreTrackedOnceMore) {
   TrackerPipelineConfig config = pipelineConfig();
   config.odometry = demanding();

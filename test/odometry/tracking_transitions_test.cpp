@@ -69,6 +69,29 @@ class TrackingTransitions : public testing::TestWithParam<TrackingPhase> {
   TrackingLoop loop_{demanding()};
 };
 
+/// What waited in a hurry is older than where the camera was found: the hurry is over with it.
+TEST(TrackingLoop, AfterAHurryItGoesBackAgainForAKeyframe) {
+  TrackingLoop loop{demanding()};
+  trackUntil(loop, 1);
+  for (int i = 2; i <= 3; ++i) loop.process(strayed(i), Backlog::kTooMuch);
+  ASSERT_TRUE(loop.isInHurry());
+  while (loop.trackWaiting() || loop.hasFailedToLeap()) {
+    if (!loop.hasFailedToLeap()) break;
+  }
+  auto found = makeReference(1, 1, 4, truth(0, 4), 4);
+  found->cause = ReferenceCause::kFoundAgain;
+  found->T_map_keyframe[0] = SE3();
+  ASSERT_TRUE(loop.take(found));
+  while (loop.trackWaiting()) {
+  }
+  EXPECT_FALSE(loop.isInHurry());
+  for (int i = 5; i <= 13; ++i) loop.process(frame(i));
+  auto next = makeReference(1, 2, 9, truth(0, 9));
+  next->T_map_keyframe[1] = truth(0, 4);
+  ASSERT_TRUE(loop.take(next));
+  EXPECT_EQ(loop.phase(), TrackingPhase::kRevising);
+}
+
 TEST_P(TrackingTransitions, AMapThatIsClosedIsLeft) {
   if (!hasMap()) return;
   EXPECT_TRUE(loop_.take(closed(*loop_.reference(), "given up")));

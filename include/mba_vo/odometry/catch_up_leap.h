@@ -9,7 +9,8 @@ namespace mba_vo {
 
 /// How far to leap over frames that wait, so that catching up comes to an end however slow the machine is: to the
 /// newest one, by trial. Where that fails, half as far is tried next. Time is that of the images that come in
-/// meanwhile: where they wait for nobody, as offline, none passes, and no frame is leapt over.
+/// meanwhile: where they wait for nobody, as offline, none passes, and no frame is leapt over, unless very many wait
+/// when it begins.
 class CatchUpLeap {
  public:
   /// Images come in faster than they can be tracked: there is no time to lose.

@@ -82,7 +82,10 @@ class TrackingLoop {
   std::shared_ptr<TrackedFrame> track(const WaitingFrame& next);
   std::shared_ptr<TrackedFrame> leap(std::size_t over);
   void goOnFrom(const WaitingFrame& next, const TrackingState& before, TrackedFrame& tracked);
-  void change(TrackingEvent event) { phase_ = nextPhase(trackingTable(), phase_, event); }
+  void change(TrackingEvent event) {
+    phase_ = nextPhase(trackingTable(), phase_, event);
+    if (phase_ != TrackingPhase::kCatchingUp) leap_.reset();
+  }
 
   TrackingPhase phase_ = TrackingPhase::kNoMap;
   FrameTracking frames_;
