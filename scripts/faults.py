@@ -10,6 +10,12 @@ is wrong, and at the end for all:
   wrong     poses labelled TRACKING that are further than 5 % of the scene's depth from the truth, after robust alignment
             of their map (which began with a median depth of 1)
   found     kidnappings after which the camera was found in its old map within 1 s; new: a new map began instead
+  pieces    maps that began after the first; in sight: of these, such as show a place that an earlier one shows (by the
+            truth: an image of each, within 20 % of the depth and 30 degrees); joined: of those in sight, such as are one
+            map with an earlier one in the end; falsely: joined ones whose positions are off by more than 2 % of the
+            depth in the median, after robust alignment of the whole map
+
+Depth: what the camera usually sees lies at, --depth [m]. Needs orientations in groundtruth.txt.
 """
 import argparse
 import collections
@@ -22,10 +28,12 @@ import tempfile
 
 import numpy as np
 
-from starts import Truth, read_poses
+from starts import Truth, read_poses, rotate
 
 WRONG = 0.05  # of the scene's depth
 FOUND_WITHIN = 1.0  # [s]
+FALSE_JOIN = 0.02  # of the scene's depth
+PLACE, PLACE_DEGREES = 0.2, 30.0  # of the depth; degrees: what counts as the same place
 
 
 def similarity(estimate, truth):
@@ -48,7 +56,38 @@ def errors_of(estimate, truth):
     return error / max(scale, 1e-9)
 
 
-def check(output, folder, offset):
+def places_of(folder, times):
+    """Positions and viewing directions (axes of the camera in rows) nearest to these times."""
+    truth = np.loadtxt(os.path.join(folder, "groundtruth.txt"))
+    rows = truth[np.clip(np.searchsorted(truth[:, 0], times), 0, len(truth) - 1)]
+    return rows[:, 1:4], rotate(rows[:, 4:8], np.array([0.0, 0.0, 1.0]))
+
+
+def check_joins(output, folder, depth, source, result):
+    """Of the pieces, as their poses were published, and what they are part of in the end."""
+    times, positions, final = read_poses(os.path.join(output, "trajectory.txt"))
+    online_times, _, online = read_poses(os.path.join(output, "online_trajectory.txt"))
+    piece_of = dict(zip(online_times, online))
+    known = np.array([t in piece_of and t in source for t in times])
+    times, positions, final = times[known], positions[known], final[known]
+    pieces = np.array([piece_of[t] for t in times])
+    at, axis = places_of(folder, [source[t] for t in times])
+    errors = np.zeros(len(times))
+    for number in set(final):
+        errors[final == number] = errors_of(positions[final == number], at[final == number])
+    for piece in sorted(set(pieces))[1:]:
+        own, earlier = pieces == piece, pieces < piece
+        apart = np.linalg.norm(at[own][:, None] - at[earlier][None], axis=2)
+        alike = axis[own] @ axis[earlier].T > np.cos(np.radians(PLACE_DEGREES))
+        in_sight = bool(np.any(alike & (apart < PLACE * depth)))
+        joined = bool(set(final[own]) & set(final[earlier]))
+        result["pieces"] += 1
+        result["in sight"] += int(in_sight)
+        result["joined"] += int(joined and in_sight)
+        result["falsely"] += int(joined and np.median(errors[own]) > FALSE_JOIN)
+
+
+def check(output, folder, offset, depth):
     result = collections.Counter()
     with open(os.path.join(output, "faults.csv")) as file:
         faults = list(csv.DictReader(file))
@@ -74,6 +113,8 @@ def check(output, folder, offset):
         result["wrong"] += int((error > WRONG).sum())
         result["judged"] += int(good.sum())
     result["maps"] += len(set(maps))
+    if len(times) > 0:
+        check_joins(output, folder, depth, {float(t): s for t, s in source.items()}, result)
     # kidnappings: the first frames after the cover was taken away
     for i in range(1, len(faults)):
         if faults[i - 1]["fault"] != "kidnap" or faults[i]["fault"] == "kidnap":
@@ -101,7 +142,7 @@ def spoil(arguments, folder, seed):
             return seed, collections.Counter(failed=1), "did not end in time"
         if run.returncode not in (0, 1) or "no frame could be tracked" not in run.stderr and run.returncode == 1:
             return seed, collections.Counter(failed=1), "exit status %d: %s" % (run.returncode, run.stderr[-300:])
-        result = check(output, folder, arguments.offset)
+        result = check(output, folder, arguments.offset, arguments.depth)
         return seed, result, ""
 
 
@@ -115,6 +156,7 @@ def main():
     parser.add_argument("--timeout", type=float, default=300.0, help="[s] per run")
     parser.add_argument("--offset", type=float, nargs=3, default=(0.0, 0.0, 0.0), metavar=("X", "Y", "Z"),
                         help="of the camera from the point whose poses are the ground truth, in its axes [m]")
+    parser.add_argument("--depth", type=float, default=2.5, help="[m] that the camera usually sees")
     parser.add_argument("--keep", default="", help="folder for the results of the runs")
     words = sys.argv[1:]
     end = words.index("--") if "--" in words else len(words)
@@ -129,9 +171,10 @@ def main():
                 if problem or result["failed"] or result["wrong"] or result["found"] < result["kidnapped"]:
                     print("  %s seed %d: %s %s" % (os.path.basename(folder), seed, dict(result), problem), flush=True)
         print("%-10s runs %d  failed %d  frames %d  with a pose %.1f %%  TRACKING %d, wrong %d  maps %d  kidnapped %d, found "
-              "%d, new %d" % (os.path.basename(folder), last - first + 1, total["failed"], total["frames"],
+              "%d, new %d  pieces %d, in sight %d, joined %d, falsely %d" % (os.path.basename(folder), last - first + 1, total["failed"], total["frames"],
                               100.0 * total["posed"] / max(1, total["frames"]), total["judged"], total["wrong"],
-                              total["maps"], total["kidnapped"], total["found"], total["new"]), flush=True)
+                              total["maps"], total["kidnapped"], total["found"], total["new"], total["pieces"], total["in sight"],
+                              total["joined"], total["falsely"]), flush=True)
 
 
 if __name__ == "__main__":

@@ -64,6 +64,10 @@ class Spoiler {
       left_ = uniform(0.2, 2.0);
       forwards_ = !forwards_;
     }
+    if (kind == "elsewhere") {
+      left_ = uniform(1.0, 5.0);
+      forwards_ = !forwards_;
+    }
     if (kind == "forwards") jump_ns_ += static_cast<std::int64_t>(1e9 * uniform(0.5, 30.0));
     if (kind == "backwards") jump_ns_ -= static_cast<std::int64_t>(1e9 * uniform(0.05, 0.8));
     // A little off, so that no stamp comes twice.
@@ -83,8 +87,14 @@ class Spoiler {
     return 1e-9 * static_cast<double>(passed);
   }
 
+  /// In the recording: elsewhere is half of it away.
+  const CameraImage& shown() const {
+    const std::size_t half = recording_.size() / 2;
+    return recording_[fault_ != "elsewhere" ? at_ : at_ < half ? at_ + half : at_ - half];
+  }
+
   cv::Mat noise(double mean) {
-    const cv::Mat& like = recording_[at_].image;
+    const cv::Mat& like = shown().image;
     cv::Mat image(like.size(), like.type());
     cv::RNG rng(random_());
     rng.fill(image, cv::RNG::NORMAL, mean, 1.0);
@@ -92,7 +102,7 @@ class Spoiler {
   }
 
   cv::Mat spoiltImage() {
-    const cv::Mat& image = recording_[at_].image;
+    const cv::Mat& image = shown().image;
     if (fault_ == "black") return cv::Mat::zeros(image.size(), image.type());
     if (fault_ == "saturated") return cv::Mat(image.size(), image.type(), cv::Scalar::all(255.0));
     if (fault_ == "covered" || fault_ == "kidnap") return noise(12.0);
@@ -108,7 +118,7 @@ class Spoiler {
 
   void emit(std::vector<CameraImage>& images, std::vector<FaultRecord>& records) {
     if (fault_ == "gap") return;
-    CameraImage image = recording_[at_];
+    CameraImage image = shown();
     image.image = spoiltImage();
     if (!fault_.empty()) image.depth.release();  // that of another instant, or of nothing
     image.problem = image.image.empty() ? "spoilt" : "";
@@ -119,7 +129,7 @@ class Spoiler {
       constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
       image.exposure = std::vector<double>{-1.0, kNotANumber, 100.0, 0.0}[index(4)];
     }
-    records.push_back({image.sequence, image.stamp_ns, recording_[at_].mid_exposure_ns, fault_});
+    records.push_back({image.sequence, image.stamp_ns, shown().mid_exposure_ns, fault_});
     images.push_back(std::move(image));
   }
 
@@ -141,9 +151,9 @@ class Spoiler {
 }  // namespace
 
 const std::vector<std::string>& faultKinds() {
-  static const std::vector<std::string> kKinds{"black",      "saturated",  "covered",  "frozen",
-                                               "unreadable", "gap",        "forwards", "backwards",
-                                               "restart",    "brightness", "exposure", "kidnap"};
+  static const std::vector<std::string> kKinds{"black",    "saturated", "covered",   "frozen",  "unreadable",
+                                               "gap",      "forwards",  "backwards", "restart", "brightness",
+                                               "exposure", "kidnap",    "elsewhere"};
   return kKinds;
 }
 

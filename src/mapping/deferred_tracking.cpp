@@ -8,7 +8,7 @@
 namespace mba_vo {
 namespace {
 
-constexpr KeyframeId kSettledKeyframe = 4;  // from this one on the first keyframes' points have good depths
+constexpr KeyframeId kSettled = 4;  // keyframes after the first: from then on their points have good depths
 
 }  // namespace
 
@@ -33,7 +33,7 @@ void DeferredTracking::add(const TrackedFrameConstPtr& tracked) {
 
 void DeferredTracking::update(const LocalMap& map) {
   refinement_.update(map);
-  if (outward_.empty() || !map.has(first_keyframe_) || map.newestKeyframe() > kSettledKeyframe) return;
+  if (outward_.empty() || !map.has(first_keyframe_) || map.newestKeyframe() > first_keyframe_ + kSettled) return;
   std::vector<ReferenceConstPtr> keyframes;
   for (std::optional<KeyframeId> id = first_keyframe_; id; id = map.keyframeAfter(*id)) {
     keyframes.push_back(map.makeReference(*id));
@@ -47,7 +47,7 @@ void DeferredTracking::reset() {
 }
 
 bool DeferredTracking::doNext(const LocalMap& map, TrajectoryStore& store) {
-  if (!outward_.empty() && map.newestKeyframe() >= kSettledKeyframe) {
+  if (!outward_.empty() && map.newestKeyframe() >= first_keyframe_ + kSettled) {
     trackOutward(store);
   } else if (!refinement_.done()) {
     refine(map, store);

@@ -42,7 +42,8 @@ LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initi
       calibration_(calibration),
       metric_(initial.metric),
       window_(config.window, config.deterministic),
-      next_keyframe_(place.keyframe) {
+      next_keyframe_(place.keyframe),
+      archives_departing_(config.loops.close) {
   window_.setCorrection(calibration_.correction());
   const FrameConstPtr& frame = initial.reference;
   addKeyframe(frame, windowKeyframe(frame, place.T_map_keyframe, reference_motion, place.brightness),

@@ -39,8 +39,9 @@ MapperOutput Mapper::Impl::initialize(const FrameConstPtr& frame) {
   initial_frames_ = initializer_.bufferedFrames();
   if (initial->row_time != 0.0) adoptRowTime(*initial);
   if (config_.refine_calibration) calibration_->add(linearizeInitialVignette(*initial, calibration_->correction()));
-  map_ =
-      std::make_unique<LocalMap>(config_, next_map_id_++, *initial, motion, LocalMap::Place(), store_, *calibration_);
+  LocalMap::Place place;
+  place.keyframe = next_keyframe_id_;
+  map_ = std::make_unique<LocalMap>(config_, next_map_id_++, *initial, motion, place, store_, *calibration_);
   change(MappingEvent::kMapBegins);
   output.message = "map " + std::to_string(map_->id()) + " initialised with " + std::to_string(initial->points.size()) +
                    (initial->metric ? " measured points" : " points");
@@ -115,6 +116,7 @@ MapperOutput Mapper::Impl::giveUp(MapperOutput output) {
   const std::vector<FrameConstPtr> frames = young ? initial_frames_ : std::vector<FrameConstPtr>();
   // It would be found there again, and again be wrong.
   if (young && !config_.localize_only) earlier_.reset();
+  loops_.giveUpMap(map_->id());
   forgetMap();
   calibration_ = calibration_before_map_;
   last->correction = calibration_->correction();
@@ -154,6 +156,11 @@ MapperOutput Mapper::Impl::handleLost(const TrackedFrame& frame, bool has_time) 
                             : "lost for too long: a new map begins";
   if (earlier_ && !config_.localize_only) {
     if (auto grown = mapAsCorrected(loops_.corrected(store_))) earlier_ = std::move(grown);
+  }
+  if (earlier_) {
+    loops_.forgetMaps();
+  } else {
+    loops_.leaveMap(recovery_.archive());
   }
   forgetMap();
   return output;
@@ -220,13 +227,16 @@ void Mapper::Impl::reset() {
 }
 
 void Mapper::Impl::abandonMap() {
+  loops_.forgetMaps();
   forgetMap();
+  next_keyframe_id_ = 0;
   calibration_.reset();
   initializer_.trustDepths();
 }
 
 void Mapper::Impl::forgetMap() {
   change(MappingEvent::kMapClosed);
+  if (map_) next_keyframe_id_ = map_->newestKeyframe() + 1;
   refining_.reset();
   map_.reset();
   reference_.reset();
@@ -238,7 +248,6 @@ void Mapper::Impl::forgetMap() {
   initial_frames_.clear();
   selector_.reset();
   deferred_.reset();
-  loops_.forgetMap();
   last_ = {};
   frames_without_reference_ = 0;
   if (earlier_) lookInEarlierMap();

@@ -147,7 +147,7 @@ SmoothedTrajectory Mapper::Impl::smoothedTrajectory() const {
   return loops_.smoothed(store, map_.get());
 }
 
-std::vector<TrajectoryEntry> Mapper::Impl::trajectory() const { return store_.entries(loops_.corrected(store_)); }
+std::vector<TrajectoryEntry> Mapper::Impl::trajectory() const { return loops_.trajectory(store_); }
 
 std::vector<MapPoint> Mapper::Impl::points() const {
   if (!map_) return {};

@@ -116,6 +116,7 @@ class Mapper::Impl {
   };
   std::optional<Refining> refining_;  // the newest keyframe, while refining
   MapId next_map_id_ = 1;
+  KeyframeId next_keyframe_id_ = 0;  // of the next map: what may be joined has no two alike
   std::optional<SavedMap> earlier_;  // none: this run began its maps itself
   MapHealth health_;
   Recovery recovery_;

@@ -123,7 +123,7 @@ bool LocalMap::refineImaging(KeyframeReport& report) {
 
 void LocalMap::marginalizeKeyframes() {
   const std::vector<KeyframeId> leaving = window_.keyframesToMarginalize();
-  if (config_.loops.close) {
+  if (archives_departing_) {
     for (const KeyframeId id : leaving) just_departed_.push_back(archive(id));
   }
   for (const KeyframeId id : leaving) {
@@ -139,10 +139,13 @@ ArchivedKeyframeConstPtr LocalMap::archive(KeyframeId keyframe) const {
   return archiveForLoops(*makeReference(keyframe), *frame(keyframe));
 }
 
-std::vector<ArchivedKeyframeConstPtr> LocalMap::archived() const {
-  std::vector<ArchivedKeyframeConstPtr> all;
-  for (const auto& keyframe : keyframes_) all.push_back(archive(keyframe.first));
-  return all;
+std::vector<ArchivedKeyframeConstPtr> LocalMap::archived(std::size_t most) const {
+  const std::size_t count = std::min(most, keyframes_.size());
+  std::vector<ArchivedKeyframeConstPtr> newest;
+  for (auto k = std::prev(keyframes_.end(), static_cast<std::ptrdiff_t>(count)); k != keyframes_.end(); ++k) {
+    newest.push_back(archive(k->first));
+  }
+  return newest;
 }
 
 }  // namespace mba_vo

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "mba_vo/geometry/median.h"
+#include "mba_vo/pose_graph/map_joins.h"
 #include "mba_vo/tracking/frame_measures.h"
 
 namespace mba_vo {
@@ -35,32 +36,63 @@ void LoopCloser::forgetKeyframes() {
   index_ = {};
 }
 
-double LoopCloser::usualDepth() const {
+void LoopCloser::forget(MapId map) {
+  for (auto next = kept_.begin(); next != kept_.end();) {
+    const auto kept = next++;
+    if (kept->second.map() == map) drop(kept->first);
+  }
+  for (LoopTrial& trial : trials_) {
+    const bool of_it = trial.older_map == map || trial.newer_map == map;
+    if (of_it && trial.verdict.accepted()) trial.verdict.rejected_because = "its map was given up";
+  }
+}
+
+std::map<MapId, double> LoopCloser::usualDepths() const {
+  std::map<MapId, double> usual;
+  for (const auto& [id, kept] : kept_) usual.emplace(kept.map(), 1.0);
+  for (auto& [map, depth] : usual) depth = usualDepth(map);
+  return usual;
+}
+
+double LoopCloser::usualDepth(MapId map) const {
   std::vector<double> depths;
-  for (const auto& [id, kept] : kept_) depths.push_back(kept.median_depth);
+  for (const auto& [id, kept] : kept_) {
+    if (kept.map() == map) depths.push_back(kept.median_depth);
+  }
   return depths.empty() ? 1.0 : median(depths);
 }
 
 void LoopCloser::add(const ArchivedKeyframeConstPtr& keyframe) {
+  const PlaceDescriptor descriptor(keyframe->restoreFrame()->pyramid);
+  compare(keyframe, descriptor, keptBeside(*keyframe));
+  keep(keyframe, descriptor);
+}
+
+void LoopCloser::look(const ArchivedKeyframeConstPtr& keyframe, const std::vector<ArchivedKeyframeConstPtr>& beside) {
+  Neighbours neighbours;
+  for (const ArchivedKeyframeConstPtr& other : beside) neighbours[other->reference.id.keyframe_id] = other;
+  compare(keyframe, PlaceDescriptor(keyframe->restoreFrame()->pyramid), neighbours);
+}
+
+void LoopCloser::compare(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescriptor& descriptor,
+                         const Neighbours& beside) {
   const KeyframeId id = keyframe->reference.id.keyframe_id;
-  const FrameConstPtr frame = keyframe->restoreFrame();
-  const PlaceDescriptor descriptor(frame->pyramid);
   for (const Candidate& candidate : candidatesFor(*keyframe, descriptor)) {
     const ArchivedKeyframeConstPtr& older = kept_.at(candidate.keyframe).keyframe;
     LoopTrial trial;
-    trial.map = keyframe->reference.id.map_id;
+    trial.older_map = older->reference.id.map_id;
+    trial.newer_map = keyframe->reference.id.map_id;
     trial.older = candidate.keyframe;
     trial.newer = id;
     trial.older_ns = older->reference.mid_exposure_ns;
     trial.newer_ns = keyframe->reference.mid_exposure_ns;
     trial.T_map_newer = keyframe->reference.T_map_reference;
     trial.correlation = candidate.correlation;
-    trial.verdict = verifier_.verify(older, keyframe, candidate.starts, witnessesOf(*older, *keyframe));
+    trial.verdict = verifier_.verify(older, keyframe, candidate.starts, witnessesOf(*older, *keyframe, beside));
     if (trial.verdict.accepted()) trial.verdict.rejected_because = contradiction(trial);
     trials_.push_back(std::move(trial));
     if (trials_.back().verdict.accepted()) break;
   }
-  keep(keyframe, descriptor);
 }
 
 void LoopCloser::know(const ArchivedKeyframeConstPtr& keyframe) {
@@ -69,19 +101,37 @@ void LoopCloser::know(const ArchivedKeyframeConstPtr& keyframe) {
 
 void LoopCloser::keep(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescriptor& descriptor) {
   const KeyframeId id = keyframe->reference.id.keyframe_id;
+  if (kept_.count(id) > 0) drop(id);
   index_.add(id, descriptor);
   bytes_ += bytesOf(*keyframe) + sizeof(PlaceDescriptor);
   kept_.insert_or_assign(id, Kept{keyframe, medianDepth(keyframe->reference)});
   while (1e-6 * static_cast<double>(bytes_) > config_.max_megabytes && kept_.size() > kLeastKept) dropMostRedundant();
 }
 
+void LoopCloser::drop(KeyframeId keyframe) {
+  const auto kept = kept_.find(keyframe);
+  bytes_ -= bytesOf(*kept->second.keyframe) + sizeof(PlaceDescriptor);
+  index_.remove(keyframe);
+  kept_.erase(kept);
+}
+
+/// Of the map that has most: what says least can only be told within one.
 void LoopCloser::dropMostRedundant() {
+  const MapId map = largestMap();
   std::vector<const Reference*> references;
-  for (const auto& [id, kept] : kept_) references.push_back(&kept.keyframe->reference);
-  const auto redundant = std::next(kept_.begin(), static_cast<std::ptrdiff_t>(mostRedundant(references, usualDepth())));
-  bytes_ -= bytesOf(*redundant->second.keyframe) + sizeof(PlaceDescriptor);
-  index_.remove(redundant->first);
-  kept_.erase(redundant);
+  for (const auto& [id, kept] : kept_) {
+    if (kept.map() == map) references.push_back(&kept.keyframe->reference);
+  }
+  const std::size_t redundant = references.size() < kLeastKept ? 0 : mostRedundant(references, usualDepth(map));
+  drop(references[redundant]->id.keyframe_id);
+}
+
+MapId LoopCloser::largestMap() const {
+  std::map<MapId, int> counts;
+  for (const auto& [id, kept] : kept_) ++counts[kept.map()];
+  return std::max_element(counts.begin(), counts.end(),
+                          [](const auto& l, const auto& r) { return l.second < r.second; })
+      ->first;
 }
 
 bool LoopCloser::isElsewhere(const Kept& candidate, const ArchivedKeyframe& keyframe) const {
@@ -95,33 +145,47 @@ SE3 LoopCloser::byOdometry(const ArchivedKeyframe& older, const ArchivedKeyframe
   return older.reference.T_map_reference.inverse() * newer.reference.T_map_reference;
 }
 
-/// Where odometry leads, and, as that drifts, those that look alike wherever they are.
+/// Where odometry leads, and, as that drifts, those that look alike wherever they are; in other maps these only.
 std::vector<LoopCloser::Candidate> LoopCloser::candidatesFor(const ArchivedKeyframe& keyframe,
                                                              const PlaceDescriptor& descriptor) const {
   std::vector<Candidate> candidates;
-  if (const std::optional<Candidate> nearest = nearestByOdometry(keyframe)) candidates.push_back(*nearest);
-  const auto wanted = [&](KeyframeId id) { return isElsewhere(kept_.at(id), keyframe); };
+  const MapId map = keyframe.reference.id.map_id;
+  if (config_.close) {
+    if (const std::optional<Candidate> nearest = nearestByOdometry(keyframe)) candidates.push_back(*nearest);
+  }
+  const MapJoins joins(trials_);
+  const auto wanted = [&](KeyframeId id) {
+    const Kept& kept = kept_.at(id);
+    return kept.map() == map ? config_.close && isElsewhere(kept, keyframe) : !joins.areSettled(kept.map(), map);
+  };
   for (const PlaceCandidate& alike : index_.search(descriptor, static_cast<std::size_t>(config_.candidates), wanted)) {
     if (alike.correlation < kLeastCorrelation) break;
     if (!candidates.empty() && candidates.front().keyframe == alike.keyframe) {
       candidates.front().correlation = alike.correlation;
       continue;
     }
-    const ArchivedKeyframe& older = *kept_.at(alike.keyframe).keyframe;
-    Vector6 turn = Vector6::Zero();
-    turn(3) = -std::atan2(alike.shift_px.y(), older.camera.fy);
-    turn(4) = std::atan2(alike.shift_px.x(), older.camera.fx);
-    candidates.push_back({alike.keyframe, alike.correlation, {SE3::exp(turn), byOdometry(older, keyframe)}});
+    candidates.push_back({alike.keyframe, alike.correlation, startsFor(alike, keyframe)});
   }
   return candidates;
 }
 
+std::vector<SE3> LoopCloser::startsFor(const PlaceCandidate& alike, const ArchivedKeyframe& keyframe) const {
+  const ArchivedKeyframe& older = *kept_.at(alike.keyframe).keyframe;
+  Vector6 turn = Vector6::Zero();
+  turn(3) = -std::atan2(alike.shift_px.y(), older.camera.fy);
+  turn(4) = std::atan2(alike.shift_px.x(), older.camera.fx);
+  std::vector<SE3> starts{SE3::exp(turn)};
+  if (older.reference.id.map_id == keyframe.reference.id.map_id) starts.push_back(byOdometry(older, keyframe));
+  return starts;
+}
+
 std::optional<LoopCloser::Candidate> LoopCloser::nearestByOdometry(const ArchivedKeyframe& keyframe) const {
-  const double depth = usualDepth();
+  const MapId map = keyframe.reference.id.map_id;
+  const double depth = usualDepth(map);
   std::optional<Candidate> nearest;
   double least = 1.0;
   for (const auto& [id, kept] : kept_) {
-    if (!isElsewhere(kept, keyframe)) continue;
+    if (kept.map() != map || !isElsewhere(kept, keyframe)) continue;
     const SE3 T = byOdometry(*kept.keyframe, keyframe);
     const double away = T.translation().norm() / (kNearby * depth) + T.log().tail<3>().norm() / kNearbyTurn;
     if (away >= least) continue;
@@ -131,27 +195,39 @@ std::optional<LoopCloser::Candidate> LoopCloser::nearestByOdometry(const Archive
   return nearest;
 }
 
-/// Other keyframes nearby in time, the nearest first: only those are told by odometry exactly enough.
-void LoopCloser::addBeside(const ArchivedKeyframe& keyframe, bool is_old, std::vector<LoopWitness>& witnesses) const {
+LoopCloser::Neighbours LoopCloser::keptBeside(const ArchivedKeyframe& keyframe) const {
   const KeyframeId id = keyframe.reference.id.keyframe_id;
-  std::vector<std::pair<KeyframeId, ArchivedKeyframeConstPtr>> near;
+  Neighbours near;
   for (auto other = kept_.lower_bound(id > kBeside ? id - kBeside : 0);
        other != kept_.end() && other->first <= id + kBeside; ++other) {
-    if (other->first == id) continue;
-    near.emplace_back(other->first > id ? other->first - id : id - other->first, other->second.keyframe);
+    if (other->second.map() == keyframe.reference.id.map_id) near.emplace(other->first, other->second.keyframe);
+  }
+  return near;
+}
+
+/// Those nearby in time, the nearest first: only those are told by odometry exactly enough.
+std::vector<LoopWitness> LoopCloser::nearestOf(const Neighbours& others, const ArchivedKeyframe& keyframe,
+                                               bool is_old) {
+  const KeyframeId id = keyframe.reference.id.keyframe_id;
+  std::vector<std::pair<KeyframeId, ArchivedKeyframeConstPtr>> near;
+  for (const auto& [other, archived] : others) {
+    if (other != id) near.emplace_back(other > id ? other - id : id - other, archived);
   }
   std::stable_sort(near.begin(), near.end(), [](const auto& l, const auto& r) { return l.first < r.first; });
   if (near.size() > kWitnessesASide) near.resize(kWitnessesASide);
+  std::vector<LoopWitness> witnesses;
   for (const auto& [distance, other] : near) {
     witnesses.push_back(
         {other, keyframe.reference.T_map_reference.inverse() * other->reference.T_map_reference, is_old});
   }
+  return witnesses;
 }
 
-std::vector<LoopWitness> LoopCloser::witnessesOf(const ArchivedKeyframe& older, const ArchivedKeyframe& newer) const {
-  std::vector<LoopWitness> of_older, of_newer, all;
-  addBeside(older, true, of_older);
-  addBeside(newer, false, of_newer);
+std::vector<LoopWitness> LoopCloser::witnessesOf(const ArchivedKeyframe& older, const ArchivedKeyframe& newer,
+                                                 const Neighbours& beside_newer) const {
+  const std::vector<LoopWitness> of_older = nearestOf(keptBeside(older), older, true);
+  const std::vector<LoopWitness> of_newer = nearestOf(beside_newer, newer, false);
+  std::vector<LoopWitness> all;
   for (std::size_t i = 0; i < kWitnessesASide; ++i) {
     if (i < of_newer.size()) all.push_back(of_newer[i]);
     if (i < of_older.size()) all.push_back(of_older[i]);
@@ -160,6 +236,7 @@ std::vector<LoopWitness> LoopCloser::witnessesOf(const ArchivedKeyframe& older, 
 }
 
 std::string LoopCloser::contradiction(const LoopTrial& trial) const {
+  if (trial.older_map != trial.newer_map) return {};  // odometry has not led from one to the other
   const Reference& older = kept_.at(trial.older).keyframe->reference;
   double way = 0.0;
   const Reference* before = &older;
@@ -172,7 +249,8 @@ std::string LoopCloser::contradiction(const LoopTrial& trial) const {
   const Sim3& S = trial.verdict.S_old_new;
   const SE3 by_odometry = older.T_map_reference.inverse() * trial.T_map_newer;
   const Vector6 off = (by_odometry.inverse() * S.rigid()).log();
-  if (off.head<3>().norm() > kDrift * way + kDriftAtOnce * usualDepth()) return "odometry puts it elsewhere";
+  if (off.head<3>().norm() > kDrift * way + kDriftAtOnce * usualDepth(trial.newer_map))
+    return "odometry puts it elsewhere";
   if (off.tail<3>().norm() > kTurnDrift * between + kTurnAtOnce) return "odometry turns it elsewhere";
   if (std::abs(std::log(S.scale())) > kScaleDrift * between + kScaleAtOnce)
     return "the scale cannot have drifted so far";

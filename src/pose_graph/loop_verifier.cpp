@@ -116,7 +116,10 @@ LoopVerdict LoopVerifier::verify(const ArchivedKeyframeConstPtr& older, const Ar
     if (verdict.accepted()) break;
   }
   if (!verdict.accepted()) return verdict;
-  const TrackedFrame backward = align(new_view, old_view, forward.trajectory.T_reference_mid.inverse(), true);
+  const SE3& T_old_new = forward.trajectory.T_reference_mid;
+  verdict.by_depths = compareDepths(*older, *newer, T_old_new);
+  const SE3 T_new_old = scaled(T_old_new.inverse(), std::exp(-verdict.by_depths.log_scale));
+  const TrackedFrame backward = align(new_view, old_view, T_new_old, true);
   verdict.rejected_because = doubt(backward);
   if (!verdict.accepted()) {
     verdict.rejected_because = "seen from the other one, " + verdict.rejected_because;
@@ -156,7 +159,6 @@ void LoopVerifier::fuse(const View& older, const View& newer, const TrackedFrame
                         LoopVerdict& verdict) {
   const SE3& T_old_new = forward.trajectory.T_reference_mid;
   const SE3& T_new_old = backward.trajectory.T_reference_mid;  // in the newer one's unit
-  verdict.by_depths = compareDepths(*older.keyframe, *newer.keyframe, T_old_new);
   if (verdict.by_depths.points < kLeastDepths) {
     verdict.rejected_because = withNumber("too few depths to compare:", verdict.by_depths.points, "");
     return;

@@ -88,6 +88,22 @@ TEST(FaultySequence, AKidnappedCameraGoesBackTheWayItCame) {
   EXPECT_GT(kidnapped, 1);
 }
 
+TEST(FaultySequence, ACameraThatLookedElsewhereGoesOnFromWhereItWas) {
+  const Spoilt spoilt = spoil(2, {"elsewhere"});
+  int jumps = 0;
+  for (std::size_t i = 1; i < spoilt.records.size(); ++i) {
+    const std::int64_t step = spoilt.records[i].source_stamp_ns - spoilt.records[i - 1].source_stamp_ns;
+    EXPECT_EQ(spoilt.records[i].stamp_ns - spoilt.records[i - 1].stamp_ns, kIntervalNs);
+    if (spoilt.records[i].fault == spoilt.records[i - 1].fault) {
+      EXPECT_LE(std::abs(step), kIntervalNs * static_cast<std::int64_t>(kImages - 1));
+      continue;
+    }
+    EXPECT_NEAR(static_cast<double>(std::abs(step) / kIntervalNs), 0.5 * kImages, 1.0);
+    ++jumps;
+  }
+  EXPECT_GT(jumps, 1);
+}
+
 TEST(FaultySequence, ClocksJumpAndImagesFreeze) {
   int jumps = 0;
   const Spoilt forwards = spoil(5, {"forwards"});

@@ -219,7 +219,8 @@ TEST(ProgressBar, DrawsOnlyWhenEnabled) {
 
 TEST(LoopsCsv, SaysOfEveryPairWhatCameOfIt) {
   LoopTrial closed, rejected;
-  closed.map = rejected.map = 2;
+  closed.older_map = 2;
+  closed.newer_map = 3;
   closed.older = 4;
   closed.newer = 90;
   closed.older_ns = 1'500'000'000;
@@ -230,7 +231,7 @@ TEST(LoopsCsv, SaysOfEveryPairWhatCameOfIt) {
   writeLoops({closed, rejected}, out);
   const std::string text = out.str();
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
-  EXPECT_NE(text.find("\n2,4,90,1.500000000,0.000000000,"), std::string::npos) << text;
+  EXPECT_NE(text.find("\n2,3,4,90,1.500000000,0.000000000,"), std::string::npos) << text;
   EXPECT_NE(text.find(",0.100000,0.200000,0.300000,0.000000,0.000000,0.000000,1.000000,0.020000,0.010000,"),
             std::string::npos)
       << text;

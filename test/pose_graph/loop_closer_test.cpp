@@ -92,5 +92,69 @@ TEST(LoopCloser, AnotherMapHasNoPartInIt) {
   EXPECT_LE(closer.bytes(), 6U * 150000U);
 }
 
+/// The way back is another map: its frame is elsewhere, its unit of length is 0.7 m. Loops within a map are not wanted.
+std::vector<KeyframeSetup> backInAnotherMap() {
+  std::vector<KeyframeSetup> keyframes = thereAndBack(SE3());
+  for (std::size_t i = 6; i < 12; ++i) {
+    KeyframeSetup& setup = keyframes[i];
+    setup.map = 2;
+    setup.unit = 0.7;
+    const SE3 T = moved(SE3(), 3.0, 1.0, -2.0, 70.0) * setup.T_world_camera;
+    setup.T_map_camera = SE3(T.rotation(), T.translation() / setup.unit);
+  }
+  return keyframes;
+}
+
+void expectRight(const LoopTrial& trial, const std::vector<KeyframeSetup>& keyframes) {
+  const SE3 truth = keyframes[trial.older].T_world_camera.inverse() * keyframes[trial.newer].T_world_camera;
+  EXPECT_LT((truth.inverse() * trial.verdict.S_old_new.rigid()).log().norm(), 0.012)
+      << trial.older << " and " << trial.newer;
+  EXPECT_NEAR(std::log(trial.verdict.S_old_new.scale() / keyframes[trial.newer].unit), 0.0, 0.006);
+}
+
+TEST(LoopCloser, AMapIsJoinedToAnotherUntilItIsKnownWellHowTheyStand) {
+  const std::vector<KeyframeSetup> keyframes = backInAnotherMap();
+  const LoopCloser closer = run(keyframes, LoopConfig());
+  int joins = 0;
+  for (const LoopTrial& trial : closer.trials()) {
+    EXPECT_EQ(trial.older_map, 1U) << "nothing is to be looked for within a map";
+    EXPECT_EQ(trial.newer_map, 2U);
+    if (!trial.verdict.accepted()) continue;
+    ++joins;
+    expectRight(trial, keyframes);
+  }
+  EXPECT_EQ(joins, 3);
+  ASSERT_EQ(closer.usualDepths().size(), 2U);
+  EXPECT_NEAR(closer.usualDepths().at(2) / closer.usualDepths().at(1), 1.0 / 0.7, 0.2);
+}
+
+TEST(LoopCloser, AKeyframeOfTheWindowIsLookedForWithThoseBesideIt) {
+  const std::vector<KeyframeSetup> keyframes = backInAnotherMap();
+  LoopCloser closer{LoopConfig(), TrackerConfig()};
+  for (std::size_t i = 0; i < 6; ++i) closer.know(makeKeyframe(keyframes[i]));
+  const std::size_t bytes = closer.bytes();
+  std::vector<ArchivedKeyframeConstPtr> window;
+  for (std::size_t i = 6; i < 12; ++i) window.push_back(makeKeyframe(keyframes[i]));
+  for (const ArchivedKeyframeConstPtr& newest : window) closer.look(newest, window);
+  int joins = 0;
+  for (const LoopTrial& trial : closer.trials()) {
+    if (!trial.verdict.accepted()) continue;
+    ++joins;
+    expectRight(trial, keyframes);
+  }
+  EXPECT_EQ(joins, 3);
+  EXPECT_EQ(closer.bytes(), bytes) << "they are kept when they leave the window";
+}
+
+TEST(LoopCloser, AMapThatWasGivenUpIsJoinedToNothing) {
+  const std::vector<KeyframeSetup> keyframes = backInAnotherMap();
+  LoopCloser closer = run(keyframes, LoopConfig());
+  closer.forget(2);
+  for (const LoopTrial& trial : closer.trials()) EXPECT_FALSE(trial.verdict.accepted());
+  EXPECT_EQ(closer.usualDepths().count(2), 0U);
+  closer.forget(1);
+  EXPECT_EQ(closer.bytes(), 0U);
+}
+
 }  // namespace
 }  // namespace mba_vo::loop_closer_test

@@ -37,7 +37,7 @@ struct Walk {
 
   void addLoop(std::size_t older, std::size_t newer) {
     LoopTrial loop;
-    loop.map = 1;
+    loop.older_map = loop.newer_map = 1;
     loop.older = static_cast<KeyframeId>(older);
     loop.newer = static_cast<KeyframeId>(newer);
     const SE3 T = truth[older].rigid().inverse() * truth[newer].rigid();
@@ -49,7 +49,7 @@ struct Walk {
   CorrectedPoses correct() {
     std::vector<LoopTrial*> pointers;
     for (LoopTrial& loop : loops) pointers.push_back(&loop);
-    return correctByLoops(keyframes, pointers, 2.0);
+    return correctByLoops({{1, 2.0, keyframes}}, pointers);
   }
 
   /// After the best similarity [m].
@@ -119,17 +119,45 @@ TEST(LoopCorrection, AfterALossTheMapHangsOnTheKeyframeByWhichTheCameraWasFound)
   loop.newer = 5;
   loop.verdict.S_old_new = Sim3(SE3(Eigen::Quaterniond::Identity(), {5.0, 0.1, 0.0}));
   loop.verdict.covariance = 1e-8 * Matrix7::Identity();
-  const CorrectedPoses corrected = correctByLoops(keyframes, {&loop}, 2.0);
+  const CorrectedPoses corrected = correctByLoops({{1, 2.0, keyframes}}, {&loop});
   EXPECT_NEAR(corrected.at(5).translation().y(), 0.1, 0.01);
   EXPECT_LT((corrected.at(6).translation() - corrected.at(2).translation()).norm(), 0.002);
   keyframes.resize(6);  // nothing that came after the loss says where the rest is
-  const CorrectedPoses without = correctByLoops(keyframes, {&loop}, 2.0);
+  const CorrectedPoses without = correctByLoops({{1, 2.0, keyframes}}, {&loop});
   const auto shape = [](const CorrectedPoses& poses, KeyframeId n) {  // the newest keyframe keeps its size
     return Eigen::Vector3d(poses.at(n).translation() / poses.at(5).translation().norm());
   };
   for (KeyframeId n = 1; n < 6; ++n) {
     EXPECT_LT((shape(corrected, n) - shape(without, n)).norm(), 1e-5) << "keyframe " << n;
   }
+}
+
+/// The second half of the walk is a map of its own, begun where it began, in a unit of 0.6 of the first; three
+/// keyframes tell how the two stand to each other.
+TEST(LoopCorrection, MapsThatHangTogetherAreInTheFrameOfTheFirstAndTheUnitOfTheLast) {
+  constexpr std::size_t kSecond = 40;
+  constexpr double kUnit = 0.6;
+  Walk walk(1.0);
+  std::vector<OdometryKeyframe> second(walk.keyframes.begin() + kSecond, walk.keyframes.end());
+  const SE3 T_second_first = second.front().T_map_keyframe.inverse();
+  for (OdometryKeyframe& keyframe : second) {
+    const SE3 T = T_second_first * keyframe.T_map_keyframe;
+    keyframe.T_map_keyframe = SE3(T.rotation(), T.translation() / kUnit);
+  }
+  walk.loops.resize(3);
+  std::vector<LoopTrial*> joins;
+  for (LoopTrial& loop : walk.loops) {
+    loop.newer_map = 2;
+    loop.verdict.S_old_new = Sim3(loop.verdict.S_old_new.rigid(), kUnit);
+    joins.push_back(&loop);
+  }
+  const std::vector<OdometryKeyframe> first(walk.keyframes.begin(), walk.keyframes.begin() + kSecond);
+  const CorrectedPoses corrected = correctByLoops({{1, 2.0, first}, {2, 2.0 / kUnit, second}}, joins);
+  ASSERT_EQ(corrected.size(), walk.keyframes.size());
+  EXPECT_LT(walk.error(positionsOf(corrected)), 1.1 * walk.error(positionsOf(walk.keyframes)));
+  EXPECT_NEAR(corrected.at(79).scale(), 1.0, 1e-12);
+  EXPECT_NEAR(corrected.at(0).scale(), 1.0 / kUnit, 0.02);
+  EXPECT_LT((corrected.at(0).translation() - first.front().T_map_keyframe.translation()).norm(), 1e-12);
 }
 
 TEST(LoopCorrection, WithoutLoopsNothingMoves) {

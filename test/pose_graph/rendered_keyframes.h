@@ -24,6 +24,7 @@ struct KeyframeSetup {
   Vector6 velocity = Vector6::Zero();  // [m/s, rad/s]
   std::optional<SE3> T_map_camera;     // by the odometry, if it is wrong; in its unit
   double unit = 1.0;                   // of the odometry [m]
+  MapId map = 1;
 };
 
 /// As it would leave the window: true depths with 1 % of noise.
@@ -42,7 +43,7 @@ inline ArchivedKeyframeConstPtr makeKeyframe(const KeyframeSetup& setup, const S
   frame->exposure = reference->exposure = blurred ? kKeyframeExposure : 0.0;
   frame->mid_exposure_ns = reference->mid_exposure_ns = std::llround(1e9 * setup.seconds);
   frame->pyramid = *reference->pyramid;
-  reference->id = {1, setup.id, 0};
+  reference->id = {setup.map, setup.id, 0};
   reference->T_map_reference = setup.T_map_camera.value_or(
       SE3(setup.T_world_camera.rotation(), setup.T_world_camera.translation() / setup.unit));
   reference->T_map_keyframe = {{setup.id, reference->T_map_reference}};

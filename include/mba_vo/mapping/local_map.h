@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -92,10 +93,12 @@ class LocalMap {
   /// Snapshot for the tracker about one keyframe of the window.
   std::shared_ptr<Reference> makeReference(KeyframeId keyframe, const std::string& doubt = {}) const;
 
-  /// The keyframes that have left the window since the last call, as they were then; with LoopConfig::close only.
+  /// Whether keyframes that leave the window are wanted as they are then; at first with LoopConfig::close only.
+  void archiveDeparting(bool wanted) { archives_departing_ = wanted; }
+  /// Those that have left since the last call.
   std::vector<ArchivedKeyframeConstPtr> takeDeparted() { return std::exchange(just_departed_, {}); }
-  /// All of the window.
-  std::vector<ArchivedKeyframeConstPtr> archived() const;
+  /// The newest of the window, by id.
+  std::vector<ArchivedKeyframeConstPtr> archived(std::size_t most = std::numeric_limits<std::size_t>::max()) const;
 
   /// The newest of those that are known by their positions only, and all of the window.
   std::vector<MapPoint> points() const;
@@ -149,6 +152,7 @@ class LocalMap {
   double activation_distance_px_ = 4.0;  // adapted so that the window holds about max_points
   double depth_search_ms_ = 0.0;         // since the last keyframe
   std::vector<MapPoint> old_points_;
+  bool archives_departing_;
   std::vector<ArchivedKeyframeConstPtr> just_departed_;
 };
 

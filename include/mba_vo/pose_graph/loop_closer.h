@@ -21,13 +21,15 @@ struct LoopConfig {
       "recognise places that were seen before and correct map and trajectory by them; odometry stays as it is");
     v("candidates", c.candidates, 1, 100, "earlier keyframes that each keyframe is compared with, the likeliest first");
     v("max_megabytes", c.max_megabytes, 1.0, 1e6,
-      "memory for keyframes that places are recognised by; those that say what others say go first [MB]");
+      "memory for keyframes that places, and maps that were lost, are recognised by; those that say what others say go "
+      "first [MB]");
   }
 };
 
-/// A keyframe that was compared with an earlier one that looks like it.
+/// A keyframe that was compared with an earlier one that looks like it, of the same map or of another.
 struct LoopTrial {
-  MapId map = 0;
+  MapId older_map = 0;
+  MapId newer_map = 0;
   KeyframeId older = 0;
   KeyframeId newer = 0;
   std::int64_t older_ns = 0;  // mid-exposure times [ns]
@@ -38,33 +40,46 @@ struct LoopTrial {
   double weight = 1.0;  // in the pose graph: 1 = believed, towards 0 = taken for wrong
 };
 
-/// Keeps the keyframes of a map that have left its window and finds out where the camera has come back.
+/// Keeps keyframes that have left the window and finds out where the camera has come back: in the same map, if loops
+/// are to be closed, and in maps that were lost, until it is known how these stand to the present one. Ids of keyframes
+/// are unique among all maps.
 class LoopCloser {
  public:
   LoopCloser(const LoopConfig& config, const TrackerConfig& tracker);
 
   /// A keyframe leaves the window: it is looked for among those that left before, and kept.
   void add(const ArchivedKeyframeConstPtr& keyframe);
-  /// Keeps a keyframe of an earlier run, whose loops were closed then.
+  /// A keyframe that is still in the window is looked for in other maps. `beside`: others of the window.
+  void look(const ArchivedKeyframeConstPtr& keyframe, const std::vector<ArchivedKeyframeConstPtr>& beside);
+  /// Keeps a keyframe of which all is known that is to be found out.
   void know(const ArchivedKeyframeConstPtr& keyframe);
-  /// Another map begins: keyframes are forgotten, what was found stays.
+  /// The keyframes of all maps; what was found stays.
   void forgetKeyframes();
+  /// The keyframes of a map that was given up, and what was found with it.
+  void forget(MapId map);
 
   /// In the order in which they were made.
   const std::vector<LoopTrial>& trials() const { return trials_; }
   /// What the keyframes that are kept take.
   std::size_t bytes() const { return bytes_; }
-  /// Median over the keyframes of their points' median depth, in the unit of the map.
-  double usualDepth() const;
+  /// By map, the median over the keyframes of their points' median depth, in the unit of the map.
+  std::map<MapId, double> usualDepths() const;
 
  private:
   struct Kept {
     ArchivedKeyframeConstPtr keyframe;
     double median_depth = 1.0;
+    MapId map() const { return keyframe->reference.id.map_id; }
   };
+  using Neighbours = std::map<KeyframeId, ArchivedKeyframeConstPtr>;
   void keep(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescriptor& descriptor);
+  void drop(KeyframeId keyframe);
   void dropMostRedundant();
+  MapId largestMap() const;
+  double usualDepth(MapId map) const;
   bool isElsewhere(const Kept& candidate, const ArchivedKeyframe& keyframe) const;
+  /// Compares it with those that it looks like. `beside`: keyframes of its map.
+  void compare(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescriptor& descriptor, const Neighbours& beside);
   /// A keyframe that may show the same place, and where the camera would be relative to it.
   struct Candidate {
     KeyframeId keyframe = 0;
@@ -73,10 +88,14 @@ class LoopCloser {
   };
   std::vector<Candidate> candidatesFor(const ArchivedKeyframe& keyframe, const PlaceDescriptor& descriptor) const;
   std::optional<Candidate> nearestByOdometry(const ArchivedKeyframe& keyframe) const;
+  std::vector<SE3> startsFor(const PlaceCandidate& alike, const ArchivedKeyframe& keyframe) const;
   /// T_old_new.
   static SE3 byOdometry(const ArchivedKeyframe& older, const ArchivedKeyframe& newer);
-  std::vector<LoopWitness> witnessesOf(const ArchivedKeyframe& older, const ArchivedKeyframe& newer) const;
-  void addBeside(const ArchivedKeyframe& keyframe, bool is_old, std::vector<LoopWitness>& witnesses) const;
+  std::vector<LoopWitness> witnessesOf(const ArchivedKeyframe& older, const ArchivedKeyframe& newer,
+                                       const Neighbours& beside_newer) const;
+  static std::vector<LoopWitness> nearestOf(const Neighbours& others, const ArchivedKeyframe& keyframe, bool is_old);
+  /// The keyframes that are kept, near this one in its map.
+  Neighbours keptBeside(const ArchivedKeyframe& keyframe) const;
   /// Odometry may drift, but not by as much as that; empty if it has not.
   std::string contradiction(const LoopTrial& trial) const;
 

@@ -18,13 +18,20 @@ struct OdometryKeyframe {
   std::optional<KeyframeId> continues;
 };
 
-/// Where the loops put the keyframes of a map. The first stays where it is, the last keeps its size. Empty if there are
-/// no loops.
+/// A map as the odometry knows it.
+struct OdometryMap {
+  MapId id = 0;
+  double usual_depth = 1.0;                 // of what keyframes see, in the unit of the map
+  std::vector<OdometryKeyframe> keyframes;  // by id
+};
+
+/// Where the loops put the keyframes of a map, or of maps that hang together. The first stays where it is, the last
+/// keeps its size: all are in the frame of the first map and in the unit of the last. Empty if there are no loops.
 using CorrectedPoses = std::map<KeyframeId, Sim3>;  // S_map_keyframe
 
-/// `keyframes`: of one map, by id. `loops`: of that map; they get their weights, and those that the others contradict
-/// are rejected. `depth`: what keyframes usually see lies at, in the unit of the map.
-CorrectedPoses correctByLoops(const std::vector<OdometryKeyframe>& keyframes, const std::vector<LoopTrial*>& loops,
-                              double depth);
+/// `maps`: by id; each after the first shows, by the loops, what an earlier or later one has. Ids of keyframes grow
+/// from map to map. `loops`: between keyframes of these maps; they get their weights, and those that the others
+/// contradict are rejected.
+CorrectedPoses correctByLoops(const std::vector<OdometryMap>& maps, const std::vector<LoopTrial*>& loops);
 
 }  // namespace mba_vo

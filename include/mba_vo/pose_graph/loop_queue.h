@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <functional>
 #include <future>
+#include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,17 +36,21 @@ class LoopQueue {
   LoopQueue& operator=(const LoopQueue&) = delete;
 
   void add(const ArchivedKeyframeConstPtr& keyframe);
-  /// LoopCloser::know.
-  void know(const ArchivedKeyframeConstPtr& keyframe);
-  /// Another map begins.
+  /// LoopCloser::look, if nothing else waits.
+  void look(const ArchivedKeyframeConstPtr& keyframe, std::vector<ArchivedKeyframeConstPtr> beside);
+  /// LoopCloser::know of a keyframe as the relocaliser has it.
+  void know(const ArchivedKeyframe& keyframe);
   void forgetKeyframes();
+  /// LoopCloser::forget.
+  void forget(MapId map);
+  /// Nothing waits.
+  bool isIdle();
   /// What has been found when nothing waits any more.
   const LoopCloser& settled();
-  /// The loops that have been closed and what keyframes usually see lies at (LoopCloser::usualDepth), by what is known
-  /// without waiting.
+  /// By what is known without waiting.
   struct Found {
-    std::vector<LoopTrial> loops;
-    double usual_depth = 1.0;
+    std::vector<LoopTrial> loops;          // that have been closed
+    std::map<MapId, double> usual_depths;  // LoopCloser::usualDepths, of maps with keyframes
   };
   const Found& found();
   /// By what is known without waiting.
@@ -66,6 +72,7 @@ class LoopQueue {
   std::future<std::unique_ptr<LoopCloser>> running_;
   LoopCounts counts_;
   Found found_;
+  std::set<MapId> forgotten_;  // what is found with these does not count
 };
 
 }  // namespace mba_vo

@@ -1,4 +1,4 @@
-#include "mba_vo/mapping/loop_queue.h"
+#include "mba_vo/pose_graph/loop_queue.h"
 
 #include <gtest/gtest.h>
 

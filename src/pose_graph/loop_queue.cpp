@@ -1,4 +1,4 @@
-#include "mba_vo/mapping/loop_queue.h"
+#include "mba_vo/pose_graph/loop_queue.h"
 
 #include <algorithm>
 #include <chrono>
@@ -8,8 +8,10 @@ namespace mba_vo {
 namespace {
 
 std::string describe(const LoopTrial& trial) {
-  const std::string pair = "keyframes " + std::to_string(trial.older) + " and " + std::to_string(trial.newer) +
-                           " of map " + std::to_string(trial.map);
+  const std::string older = " of map " + std::to_string(trial.older_map);
+  const std::string newer = " of map " + std::to_string(trial.newer_map);
+  const std::string pair = "keyframes " + std::to_string(trial.older) + (older == newer ? "" : older) + " and " +
+                           std::to_string(trial.newer) + newer;
   return trial.verdict.accepted() ? pair + " show one place" : pair + ": " + trial.verdict.rejected_because;
 }
 
@@ -29,14 +31,37 @@ void LoopQueue::add(const ArchivedKeyframeConstPtr& keyframe) {
   begin();
 }
 
-void LoopQueue::know(const ArchivedKeyframeConstPtr& keyframe) {
-  waiting_.push_back({[keyframe](LoopCloser& closer) { closer.know(keyframe); }});
+void LoopQueue::look(const ArchivedKeyframeConstPtr& keyframe, std::vector<ArchivedKeyframeConstPtr> beside) {
+  if (!isIdle()) return;
+  waiting_.push_back(
+      {[keyframe, others = std::move(beside)](LoopCloser& closer) { closer.look(keyframe, others); }, true});
+  begin();
+}
+
+void LoopQueue::know(const ArchivedKeyframe& keyframe) {
+  waiting_.push_back({[keyframe](LoopCloser& closer) {
+    const FrameConstPtr frame = keyframe.restoreFrame();
+    closer.know(archiveForLoops(*keyframe.restoreReference(frame), *frame));
+  }});
   begin();
 }
 
 void LoopQueue::forgetKeyframes() {
   waiting_.push_back({[](LoopCloser& closer) { closer.forgetKeyframes(); }});
   begin();
+}
+
+void LoopQueue::forget(MapId map) {
+  forgotten_.insert(map);
+  const auto isForgotten = [map](const LoopTrial& loop) { return loop.older_map == map || loop.newer_map == map; };
+  found_.loops.erase(std::remove_if(found_.loops.begin(), found_.loops.end(), isForgotten), found_.loops.end());
+  waiting_.push_back({[map](LoopCloser& closer) { closer.forget(map); }});
+  begin();
+}
+
+bool LoopQueue::isIdle() {
+  begin();
+  return !running_.valid();
 }
 
 const LoopCloser& LoopQueue::settled() {
@@ -85,10 +110,11 @@ void LoopQueue::takeBack() {
   with_thread_ = 0;
   const std::vector<LoopTrial>& trials = closer_->trials();
   for (std::size_t i = counts_.compared; i < trials.size(); ++i) {
-    if (trials[i].verdict.accepted()) found_.loops.push_back(trials[i]);
+    if (!trials[i].verdict.accepted() || forgotten_.count(trials[i].older_map) > 0) continue;
+    if (forgotten_.count(trials[i].newer_map) == 0) found_.loops.push_back(trials[i]);
   }
   counts_.closed = found_.loops.size();
-  found_.usual_depth = closer_->usualDepth();
+  found_.usual_depths = closer_->usualDepths();
   counts_.compared = trials.size();
   if (!trials.empty()) counts_.last = describe(trials.back());
 }
