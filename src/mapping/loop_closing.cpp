@@ -92,6 +92,7 @@ bool LoopClosing::mayBeJoined(MapId map) const {
 
 std::string LoopClosing::follow(LocalMap& map, const TrajectoryStore& store) {
   for (const ArchivedKeyframeConstPtr& keyframe : map.takeDeparted()) queue_->add(keyframe);
+  if (deterministic_) queue_->settled();
   const bool may_be_joined = mayBeJoined(map.id());
   map.archiveDeparting(close_ || may_be_joined);
   if (may_be_joined && queue_->isIdle()) {
@@ -198,6 +199,7 @@ std::string LoopClosing::describeJoin(const Correction& correction) const {
   std::map<MapId, double> scale;        // by which lengths of that map are those of the last
   for (const LoopTrial& loop : queue_->found().loops) {
     if (loop.newer_map != correction.last() || loop.older_map == loop.newer_map) continue;
+    if (correction.maps.count(loop.older_map) == 0) continue;  // found since the graph was made
     information[loop.older_map] += 1.0 / loop.verdict.covariance(6, 6);
     scale[loop.older_map] = correction.keyframes.at(loop.older).scale();
   }

@@ -16,8 +16,9 @@ constexpr double kLeastCorrelation = 0.5;  // of small images, worth a compariso
 constexpr double kLeastAway = 4.0;         // [s] since the older keyframe: before, it is the window's affair
 constexpr double kNearby = 0.3;      // [median depths] to the nearest keyframe, by odometry, if they look the same way
 constexpr double kNearbyTurn = 0.7;  // [rad] between the two, if they are at the same place
-constexpr std::size_t kLeastKept = 3;  // keyframes, whatever the memory
-constexpr KeyframeId kBeside = 12;     // keyframes on either side that may be witnesses
+constexpr std::size_t kLeastKept = 3;        // keyframes, whatever the memory
+constexpr std::size_t kMostRejected = 2000;  // trials that are remembered: 2 MB
+constexpr KeyframeId kBeside = 12;           // keyframes on either side that may be witnesses
 constexpr std::size_t kWitnessesASide = 3;
 constexpr double kDrift = 0.1;         // of the way between the two, that odometry may be off by
 constexpr double kDriftAtOnce = 0.3;   // [median depths], besides
@@ -64,35 +65,47 @@ double LoopCloser::usualDepth(MapId map) const {
 
 void LoopCloser::add(const ArchivedKeyframeConstPtr& keyframe) {
   const PlaceDescriptor descriptor(keyframe->restoreFrame()->pyramid);
-  compare(keyframe, descriptor, keptBeside(*keyframe));
+  for (LoopTrial& trial : compare(keyframe, descriptor, keptBeside(*keyframe))) remember(std::move(trial));
   keep(keyframe, descriptor);
 }
 
 void LoopCloser::look(const ArchivedKeyframeConstPtr& keyframe, const std::vector<ArchivedKeyframeConstPtr>& beside) {
   Neighbours neighbours;
   for (const ArchivedKeyframeConstPtr& other : beside) neighbours[other->reference.id.keyframe_id] = other;
-  compare(keyframe, PlaceDescriptor(keyframe->restoreFrame()->pyramid), neighbours);
+  std::vector<LoopTrial> trials = compare(keyframe, PlaceDescriptor(keyframe->restoreFrame()->pyramid), neighbours);
+  if (!trials.empty() && trials.back().verdict.accepted()) remember(std::move(trials.back()));
 }
 
-void LoopCloser::compare(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescriptor& descriptor,
-                         const Neighbours& beside) {
-  const KeyframeId id = keyframe->reference.id.keyframe_id;
+std::vector<LoopTrial> LoopCloser::compare(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescriptor& descriptor,
+                                           const Neighbours& beside) const {
+  std::vector<LoopTrial> trials;
   for (const Candidate& candidate : candidatesFor(*keyframe, descriptor)) {
     const ArchivedKeyframeConstPtr& older = kept_.at(candidate.keyframe).keyframe;
     LoopTrial trial;
     trial.older_map = older->reference.id.map_id;
     trial.newer_map = keyframe->reference.id.map_id;
     trial.older = candidate.keyframe;
-    trial.newer = id;
+    trial.newer = keyframe->reference.id.keyframe_id;
     trial.older_ns = older->reference.mid_exposure_ns;
     trial.newer_ns = keyframe->reference.mid_exposure_ns;
     trial.T_map_newer = keyframe->reference.T_map_reference;
     trial.correlation = candidate.correlation;
     trial.verdict = verifier_.verify(older, keyframe, candidate.starts, witnessesOf(*older, *keyframe, beside));
     if (trial.verdict.accepted()) trial.verdict.rejected_because = contradiction(trial);
-    trials_.push_back(std::move(trial));
-    if (trials_.back().verdict.accepted()) break;
+    trials.push_back(std::move(trial));
+    if (trials.back().verdict.accepted()) break;
   }
+  return trials;
+}
+
+/// Of those that were rejected the oldest go: nobody looks for them after hours.
+void LoopCloser::remember(LoopTrial trial) {
+  ++compared_;
+  if (trial.verdict.accepted()) ++closed_;
+  trials_.push_back(std::move(trial));
+  if (trials_.size() <= closed_ + kMostRejected) return;
+  trials_.erase(
+      std::find_if(trials_.begin(), trials_.end(), [](const LoopTrial& old) { return !old.verdict.accepted(); }));
 }
 
 void LoopCloser::know(const ArchivedKeyframeConstPtr& keyframe) {

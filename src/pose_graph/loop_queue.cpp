@@ -109,14 +109,19 @@ void LoopQueue::takeBack() {
   closer_ = running_.get();
   with_thread_ = 0;
   const std::vector<LoopTrial>& trials = closer_->trials();
-  for (std::size_t i = counts_.compared; i < trials.size(); ++i) {
-    if (!trials[i].verdict.accepted() || forgotten_.count(trials[i].older_map) > 0) continue;
-    if (forgotten_.count(trials[i].newer_map) == 0) found_.loops.push_back(trials[i]);
-  }
-  counts_.closed = found_.loops.size();
+  if (std::exchange(closed_, closer_->closed()) != closer_->closed()) takeLoops(trials);
   found_.usual_depths = closer_->usualDepths();
-  counts_.compared = trials.size();
+  counts_.closed = found_.loops.size();
+  counts_.compared = closer_->compared();
   if (!trials.empty()) counts_.last = describe(trials.back());
+}
+
+void LoopQueue::takeLoops(const std::vector<LoopTrial>& trials) {
+  found_.loops.clear();
+  for (const LoopTrial& trial : trials) {
+    const bool is_forgotten = forgotten_.count(trial.older_map) + forgotten_.count(trial.newer_map) > 0;
+    if (trial.verdict.accepted() && !is_forgotten) found_.loops.push_back(trial);
+  }
 }
 
 }  // namespace mba_vo

@@ -49,7 +49,8 @@ class LoopCloser {
 
   /// A keyframe leaves the window: it is looked for among those that left before, and kept.
   void add(const ArchivedKeyframeConstPtr& keyframe);
-  /// A keyframe that is still in the window is looked for in other maps. `beside`: others of the window.
+  /// A keyframe that is still in the window is looked for in other maps; it counts only if it is found. `beside`:
+  /// others of the window.
   void look(const ArchivedKeyframeConstPtr& keyframe, const std::vector<ArchivedKeyframeConstPtr>& beside);
   /// Keeps a keyframe of which all is known that is to be found out.
   void know(const ArchivedKeyframeConstPtr& keyframe);
@@ -58,8 +59,12 @@ class LoopCloser {
   /// The keyframes of a map that was given up, and what was found with it.
   void forget(MapId map);
 
-  /// In the order in which they were made.
+  /// In the order in which they were made: all that show one place, and the last ones that do not.
   const std::vector<LoopTrial>& trials() const { return trials_; }
+  /// How many there were in all.
+  std::uint64_t compared() const { return compared_; }
+  /// How many of them were found to show one place, those of maps that were given up too.
+  std::uint64_t closed() const { return closed_; }
   /// What the keyframes that are kept take.
   std::size_t bytes() const { return bytes_; }
   /// By map, the median over the keyframes of their points' median depth, in the unit of the map.
@@ -78,8 +83,10 @@ class LoopCloser {
   MapId largestMap() const;
   double usualDepth(MapId map) const;
   bool isElsewhere(const Kept& candidate, const ArchivedKeyframe& keyframe) const;
-  /// Compares it with those that it looks like. `beside`: keyframes of its map.
-  void compare(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescriptor& descriptor, const Neighbours& beside);
+  /// Compares it with those that it looks like, until one shows the same place. `beside`: keyframes of its map.
+  std::vector<LoopTrial> compare(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescriptor& descriptor,
+                                 const Neighbours& beside) const;
+  void remember(LoopTrial trial);
   /// A keyframe that may show the same place, and where the camera would be relative to it.
   struct Candidate {
     KeyframeId keyframe = 0;
@@ -105,6 +112,7 @@ class LoopCloser {
   std::map<KeyframeId, Kept> kept_;
   std::size_t bytes_ = 0;  // of kept_
   std::vector<LoopTrial> trials_;
+  std::uint64_t compared_ = 0, closed_ = 0;
 };
 
 }  // namespace mba_vo

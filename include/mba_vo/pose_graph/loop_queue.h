@@ -63,6 +63,7 @@ class LoopQueue {
   };
   void begin();
   void takeBack();
+  void takeLoops(const std::vector<LoopTrial>& trials);
   std::size_t comparisonsWaiting() const;
 
   std::size_t most_waiting_;
@@ -72,6 +73,7 @@ class LoopQueue {
   std::future<std::unique_ptr<LoopCloser>> running_;
   LoopCounts counts_;
   Found found_;
+  std::uint64_t closed_ = 0;   // LoopCloser::closed that found_ is of
   std::set<MapId> forgotten_;  // what is found with these does not count
 };
 
