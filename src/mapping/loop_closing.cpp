@@ -131,10 +131,12 @@ void LoopClosing::changeWindow(const LocalMap& left, KeyframeId keyframe, const 
 
 void LoopClosing::leaveMap(const KeyframeArchive& keyframes) {
   T_corrected_map_ = SE3();
-  for (const auto& [id, keyframe] : keyframes.keyframes()) {
-    queue_->know(keyframe);
-    left_.insert(keyframe.reference.id.map_id);
-  }
+  std::vector<ArchivedKeyframe> all;
+  for (const auto& [id, keyframe] : keyframes.keyframes()) all.push_back(keyframe);
+  if (all.empty()) return;
+  queue_->leave(all);
+  if (deterministic_) queue_->settled();
+  left_.insert(all.front().reference.id.map_id);
 }
 
 void LoopClosing::giveUpMap(MapId map) {

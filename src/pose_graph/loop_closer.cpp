@@ -167,9 +167,11 @@ std::vector<LoopCloser::Candidate> LoopCloser::candidatesFor(const ArchivedKeyfr
     if (const std::optional<Candidate> nearest = nearestByOdometry(keyframe)) candidates.push_back(*nearest);
   }
   const MapJoins joins(trials_);
+  const std::set<MapId> known = mapsShownBy(keyframe.reference.id.keyframe_id);
   const auto wanted = [&](KeyframeId id) {
     const Kept& kept = kept_.at(id);
-    return kept.map() == map ? config_.close && isElsewhere(kept, keyframe) : !joins.areSettled(kept.map(), map);
+    if (kept.map() == map) return config_.close && isElsewhere(kept, keyframe);
+    return known.count(kept.map()) == 0 && !joins.areSettled(kept.map(), map);
   };
   for (const PlaceCandidate& alike : index_.search(descriptor, static_cast<std::size_t>(config_.candidates), wanted)) {
     if (alike.correlation < kLeastCorrelation) break;
@@ -180,6 +182,15 @@ std::vector<LoopCloser::Candidate> LoopCloser::candidatesFor(const ArchivedKeyfr
     candidates.push_back({alike.keyframe, alike.correlation, startsFor(alike, keyframe)});
   }
   return candidates;
+}
+
+/// Others, by what has been found of this keyframe: once more it would tell nothing new.
+std::set<MapId> LoopCloser::mapsShownBy(KeyframeId keyframe) const {
+  std::set<MapId> maps;
+  for (const LoopTrial& trial : trials_) {
+    if (trial.newer == keyframe && trial.verdict.accepted()) maps.insert(trial.older_map);
+  }
+  return maps;
 }
 
 std::vector<SE3> LoopCloser::startsFor(const PlaceCandidate& alike, const ArchivedKeyframe& keyframe) const {

@@ -30,6 +30,11 @@ ArchivedKeyframeConstPtr archiveForLoops(const Reference& reference, const Frame
   return std::make_shared<const ArchivedKeyframe>(smaller, shown);
 }
 
+ArchivedKeyframeConstPtr archiveForLoops(const ArchivedKeyframe& keyframe) {
+  const FrameConstPtr frame = keyframe.restoreFrame();
+  return archiveForLoops(*keyframe.restoreReference(frame), *frame);
+}
+
 std::size_t bytesOf(const ArchivedKeyframe& keyframe) {
   return sizeof(ArchivedKeyframe) + keyframe.image.total() +
          keyframe.reference.points.capacity() * sizeof(ReferencePoint) +

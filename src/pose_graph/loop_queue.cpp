@@ -39,9 +39,16 @@ void LoopQueue::look(const ArchivedKeyframeConstPtr& keyframe, std::vector<Archi
 }
 
 void LoopQueue::know(const ArchivedKeyframe& keyframe) {
-  waiting_.push_back({[keyframe](LoopCloser& closer) {
-    const FrameConstPtr frame = keyframe.restoreFrame();
-    closer.know(archiveForLoops(*keyframe.restoreReference(frame), *frame));
+  waiting_.push_back({[keyframe](LoopCloser& closer) { closer.know(archiveForLoops(keyframe)); }});
+  begin();
+}
+
+void LoopQueue::leave(const std::vector<ArchivedKeyframe>& keyframes) {
+  waiting_.push_back({[keyframes](LoopCloser& closer) {
+    std::vector<ArchivedKeyframeConstPtr> archived;
+    for (const ArchivedKeyframe& keyframe : keyframes) archived.push_back(archiveForLoops(keyframe));
+    for (const ArchivedKeyframeConstPtr& keyframe : archived) closer.look(keyframe, archived);
+    for (const ArchivedKeyframeConstPtr& keyframe : archived) closer.know(keyframe);
   }});
   begin();
 }

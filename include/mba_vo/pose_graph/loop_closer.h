@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -95,6 +96,7 @@ class LoopCloser {
   };
   std::vector<Candidate> candidatesFor(const ArchivedKeyframe& keyframe, const PlaceDescriptor& descriptor) const;
   std::optional<Candidate> nearestByOdometry(const ArchivedKeyframe& keyframe) const;
+  std::set<MapId> mapsShownBy(KeyframeId keyframe) const;
   std::vector<SE3> startsFor(const PlaceCandidate& alike, const ArchivedKeyframe& keyframe) const;
   /// T_old_new.
   static SE3 byOdometry(const ArchivedKeyframe& older, const ArchivedKeyframe& newer);

@@ -40,6 +40,8 @@ class LoopQueue {
   void look(const ArchivedKeyframeConstPtr& keyframe, std::vector<ArchivedKeyframeConstPtr> beside);
   /// LoopCloser::know of a keyframe as the relocaliser has it.
   void know(const ArchivedKeyframe& keyframe);
+  /// LoopCloser::look of keyframes of a map that is left, beside each other, and know.
+  void leave(const std::vector<ArchivedKeyframe>& keyframes);
   void forgetKeyframes();
   /// LoopCloser::forget.
   void forget(MapId map);
