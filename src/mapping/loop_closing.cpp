@@ -174,7 +174,9 @@ LoopClosing::Correction LoopClosing::correct(const std::vector<OdometryMap>& map
   for (const OdometryMap& map : maps) correction.maps.insert(map.id);
   std::vector<LoopTrial*> of_maps;
   for (LoopTrial& loop : loops) {
-    if (loop.verdict.accepted() && correction.maps.count(loop.newer_map) > 0) of_maps.push_back(&loop);
+    if (!loop.verdict.accepted() || correction.maps.count(loop.newer_map) == 0) continue;
+    of_maps.push_back(&loop);
+    if (loop.older_map != loop.newer_map) ++correction.joins;
   }
   correction.depth = maps.back().usual_depth;
   correction.keyframes = correctByLoops(maps, of_maps);
@@ -220,11 +222,13 @@ std::string LoopClosing::adopt(Correction correction, const LocalMap& map) {
   const auto before = std::find_if(corrections_.begin(), corrections_.end(),
                                    [&](const Correction& old) { return old.maps.count(map.id()) > 0; });
   const bool joins = correction.maps.size() > (before == corrections_.end() ? 1 : before->maps.size());
+  // The first keyframe that tells how two maps stand tells it least well.
+  const bool joins_better = correction.joins > (before == corrections_.end() ? 0 : before->joins);
   const SE3 T_map_camera = map.stampedPose(map.newestKeyframe()).T_map_camera;
   const SE3 step = (T_corrected_map_ * T_map_camera).inverse() * correction.T_corrected_map * T_map_camera;
   const Vector6 way = step.log();
   const bool is_small = way.head<3>().norm() < kLeastStep * correction.depth && way.tail<3>().norm() < kLeastTurn;
-  if (is_small && !joins) return {};
+  if (is_small && !joins_better) return {};
   T_corrected_map_ = correction.T_corrected_map;
   const std::string news = joins ? describeJoin(correction) : "a loop was closed: ";
   const auto isReplaced = [&](const Correction& old) { return correction.maps.count(old.last()) > 0; };

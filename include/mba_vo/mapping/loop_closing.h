@@ -67,6 +67,7 @@ class LoopClosing {
     double depth = 1.0;  // LoopCloser::usualDepths of the last
     CorrectedPoses keyframes;
     SE3 T_corrected_map;  // of the last, by odometry when the graph was made
+    int joins = 0;        // keyframes by which they hang together
     MapId last() const { return *maps.rbegin(); }
   };
   static Correction correct(const std::vector<OdometryMap>& maps, std::vector<LoopTrial>& loops);
