@@ -84,6 +84,31 @@ TEST(LoopQueue, MayGoWhileItWorks) {
   queue.forgetKeyframes();
 }
 
+TEST(LoopQueue, AMapThatIsLeftIsLookedForInThoseThatWereLeftBefore) {
+  std::vector<ArchivedKeyframe> first, second;
+  for (std::size_t i = 0; i < 4; ++i) first.push_back(*thereAndBack()[i]);
+  for (std::size_t i = 4; i < 8; ++i) {
+    second.push_back(*thereAndBack()[i]);
+    second.back().reference.id.map_id = 2;
+  }
+  LoopQueue queue(LoopConfig(), TrackerConfig(), kAny);
+  queue.leave(first);
+  EXPECT_TRUE(queue.settled().trials().empty());
+  queue.leave(second);
+  queue.settled();
+  const std::vector<LoopTrial> joins = queue.found().loops;
+  EXPECT_GE(joins.size(), 2U);
+  for (const LoopTrial& join : joins) {
+    EXPECT_EQ(join.older_map, 1U);
+    EXPECT_EQ(join.newer_map, 2U);
+  }
+  EXPECT_EQ(queue.found().usual_depths.size(), 2U);
+  queue.forget(2);
+  EXPECT_TRUE(queue.found().loops.empty());
+  queue.settled();
+  EXPECT_TRUE(queue.found().loops.empty());
+}
+
 TEST(LoopQueue, AnotherMapBeginsWithoutKeyframes) {
   LoopQueue queue(enabled(), TrackerConfig(), kAny);
   for (std::size_t i = 0; i < 4; ++i) queue.add(thereAndBack()[i]);
