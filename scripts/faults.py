@@ -115,19 +115,21 @@ def check(output, folder, offset, depth):
     result["maps"] += len(set(maps))
     if len(times) > 0:
         check_joins(output, folder, depth, {float(t): s for t, s in source.items()}, result)
-    # kidnappings: the first frames after the cover was taken away
+    # Kidnappings: the first frames after the cover was taken away, in the maps as published: they may be joined later.
+    online_times, _, online = read_poses(os.path.join(output, "online_trajectory.txt"))
+    published = dict(zip(online_times, online))
+    map_of = [published.get(float(f["time"])) for f in faults]
     for i in range(1, len(faults)):
         if faults[i - 1]["fault"] != "kidnap" or faults[i]["fault"] == "kidnap":
             continue
-        last = next((j for j in range(i - 1, -1, -1) if frames.get(faults[j]["sequence"], {}).get("map")), None)
+        last = next((j for j in range(i - 1, -1, -1) if map_of[j]), None)
         end = float(faults[i]["time"]) + FOUND_WITHIN
-        after = [frames.get(f["sequence"], {}) for f in faults[i:] if float(f["time"]) <= end]
+        after = [m for f, m in zip(faults[i:], map_of[i:]) if float(f["time"]) <= end]
         if last is None or len(after) < 10:
             continue
-        old = frames[faults[last]["sequence"]]["map"]
         result["kidnapped"] += 1
-        result["found"] += int(any(a.get("map") == old for a in after))
-        result["new"] += int(any(a.get("map") not in ("", None, old) for a in after))
+        result["found"] += int(map_of[last] in after)
+        result["new"] += int(any(m not in (None, map_of[last]) for m in after))
     return result
 
 

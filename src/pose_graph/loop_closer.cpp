@@ -65,21 +65,26 @@ double LoopCloser::usualDepth(MapId map) const {
 
 void LoopCloser::add(const ArchivedKeyframeConstPtr& keyframe) {
   const PlaceDescriptor descriptor(keyframe->restoreFrame()->pyramid);
-  for (LoopTrial& trial : compare(keyframe, descriptor, keptBeside(*keyframe))) remember(std::move(trial));
+  const Neighbours beside = keptBeside(*keyframe);
+  if (config_.close) {
+    for (LoopTrial& trial : compare(keyframe, descriptor, beside, Among::kItsMap)) remember(std::move(trial));
+  }
+  for (LoopTrial& trial : compare(keyframe, descriptor, beside, Among::kOtherMaps)) remember(std::move(trial));
   keep(keyframe, descriptor);
 }
 
 void LoopCloser::look(const ArchivedKeyframeConstPtr& keyframe, const std::vector<ArchivedKeyframeConstPtr>& beside) {
   Neighbours neighbours;
   for (const ArchivedKeyframeConstPtr& other : beside) neighbours[other->reference.id.keyframe_id] = other;
-  std::vector<LoopTrial> trials = compare(keyframe, PlaceDescriptor(keyframe->restoreFrame()->pyramid), neighbours);
+  std::vector<LoopTrial> trials =
+      compare(keyframe, PlaceDescriptor(keyframe->restoreFrame()->pyramid), neighbours, Among::kOtherMaps);
   if (!trials.empty() && trials.back().verdict.accepted()) remember(std::move(trials.back()));
 }
 
 std::vector<LoopTrial> LoopCloser::compare(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescriptor& descriptor,
-                                           const Neighbours& beside) const {
+                                           const Neighbours& beside, Among among) const {
   std::vector<LoopTrial> trials;
-  for (const Candidate& candidate : candidatesFor(*keyframe, descriptor)) {
+  for (const Candidate& candidate : candidatesFor(*keyframe, descriptor, among)) {
     const ArchivedKeyframeConstPtr& older = kept_.at(candidate.keyframe).keyframe;
     LoopTrial trial;
     trial.older_map = older->reference.id.map_id;
@@ -160,18 +165,18 @@ SE3 LoopCloser::byOdometry(const ArchivedKeyframe& older, const ArchivedKeyframe
 
 /// Where odometry leads, and, as that drifts, those that look alike wherever they are; in other maps these only.
 std::vector<LoopCloser::Candidate> LoopCloser::candidatesFor(const ArchivedKeyframe& keyframe,
-                                                             const PlaceDescriptor& descriptor) const {
+                                                             const PlaceDescriptor& descriptor, Among among) const {
   std::vector<Candidate> candidates;
   const MapId map = keyframe.reference.id.map_id;
-  if (config_.close) {
+  if (among == Among::kItsMap) {
     if (const std::optional<Candidate> nearest = nearestByOdometry(keyframe)) candidates.push_back(*nearest);
   }
   const MapJoins joins(trials_);
   const std::set<MapId> known = mapsShownBy(keyframe.reference.id.keyframe_id);
   const auto wanted = [&](KeyframeId id) {
     const Kept& kept = kept_.at(id);
-    if (kept.map() == map) return config_.close && isElsewhere(kept, keyframe);
-    return known.count(kept.map()) == 0 && !joins.areSettled(kept.map(), map);
+    if (among == Among::kItsMap) return kept.map() == map && isElsewhere(kept, keyframe);
+    return kept.map() != map && known.count(kept.map()) == 0 && !joins.areSettled(kept.map(), map);
   };
   for (const PlaceCandidate& alike : index_.search(descriptor, static_cast<std::size_t>(config_.candidates), wanted)) {
     if (alike.correlation < kLeastCorrelation) break;

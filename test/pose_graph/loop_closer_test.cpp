@@ -146,6 +146,31 @@ TEST(LoopCloser, AKeyframeOfTheWindowIsLookedForWithThoseBesideIt) {
   EXPECT_EQ(closer.bytes(), bytes) << "they are kept when they leave the window";
 }
 
+/// Where loops are closed, too, each keyframe is looked for in both: one found in its map says nothing of the others.
+TEST(LoopCloser, ALoopDoesNotKeepMapsFromBeingJoined) {
+  std::vector<KeyframeSetup> keyframes = backInAnotherMap();
+  for (std::size_t i = 6; i < 12; ++i) {  // the way back once more
+    KeyframeSetup again = keyframes[i];
+    again.id += 6;
+    again.seconds += 30.0;
+    keyframes.push_back(again);
+  }
+  LoopCloser closer(enabled(), TrackerConfig());
+  for (std::size_t i = 6; i < 12; ++i) closer.know(makeKeyframe(keyframes[i]));
+  for (std::size_t i = 0; i < 6; ++i) closer.know(makeKeyframe(keyframes[i]));
+  for (std::size_t i = 12; i < 18; ++i) closer.add(makeKeyframe(keyframes[i]));
+  int loops = 0, joins = 0;
+  for (const LoopTrial& trial : closer.trials()) {
+    if (!trial.verdict.accepted()) continue;
+    ++(trial.older_map == trial.newer_map ? loops : joins);
+  }
+  EXPECT_GE(loops, 4);
+  EXPECT_EQ(joins, 3);
+  const std::size_t before = closer.trials().size();
+  closer.look(makeKeyframe(keyframes[17]), {});
+  EXPECT_EQ(closer.trials().size(), before) << "that is for other maps only";
+}
+
 TEST(LoopCloser, AMapThatWasGivenUpIsJoinedToNothing) {
   const std::vector<KeyframeSetup> keyframes = backInAnotherMap();
   LoopCloser closer = run(keyframes, LoopConfig());

@@ -84,9 +84,11 @@ class LoopCloser {
   MapId largestMap() const;
   double usualDepth(MapId map) const;
   bool isElsewhere(const Kept& candidate, const ArchivedKeyframe& keyframe) const;
-  /// Compares it with those that it looks like, until one shows the same place. `beside`: keyframes of its map.
+  enum class Among { kItsMap, kOtherMaps };
+  /// Compares it with those among them that it looks like, until one shows the same place. `beside`: keyframes of its
+  /// map.
   std::vector<LoopTrial> compare(const ArchivedKeyframeConstPtr& keyframe, const PlaceDescriptor& descriptor,
-                                 const Neighbours& beside) const;
+                                 const Neighbours& beside, Among among) const;
   void remember(LoopTrial trial);
   /// A keyframe that may show the same place, and where the camera would be relative to it.
   struct Candidate {
@@ -94,7 +96,8 @@ class LoopCloser {
     std::optional<double> correlation;  // of the small images; nullopt: it was not looked at
     std::vector<SE3> starts;            // T_old_new
   };
-  std::vector<Candidate> candidatesFor(const ArchivedKeyframe& keyframe, const PlaceDescriptor& descriptor) const;
+  std::vector<Candidate> candidatesFor(const ArchivedKeyframe& keyframe, const PlaceDescriptor& descriptor,
+                                       Among among) const;
   std::optional<Candidate> nearestByOdometry(const ArchivedKeyframe& keyframe) const;
   std::set<MapId> mapsShownBy(KeyframeId keyframe) const;
   std::vector<SE3> startsFor(const PlaceCandidate& alike, const ArchivedKeyframe& keyframe) const;
