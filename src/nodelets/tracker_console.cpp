@@ -31,16 +31,19 @@ void TrackerConsole::tellLoss(const TrackerStep& step, const std::string& why) {
 }
 
 void TrackerConsole::tellCatchingUp(const TrackerStep& step) {
-  if (phase_ == TrackingPhase::kNoMap && step.phase == TrackingPhase::kCatchingUp) {
-    ROS_INFO("there is a map: the images that waited for it are caught up with");
+  const bool begins = phase_ == TrackingPhase::kNoMap || phase_ == TrackingPhase::kLost;
+  if (begins && step.phase == TrackingPhase::kCatchingUp) {
+    catches_up_ = true;
+    leaves_out_ = false;
+    if (phase_ == TrackingPhase::kNoMap) ROS_INFO("there is a map: the images that waited for it are caught up with");
   }
+  if (!catches_up_) return;
   if (!step.placed.empty() && !leaves_out_) {
     leaves_out_ = true;
     ROS_WARN("some of the images that wait are left out to catch up: the tracker does not keep up with the camera");
   }
-  const bool was_behind = phase_ == TrackingPhase::kCatchingUp || leaves_out_;
-  if (!was_behind || step.phase == TrackingPhase::kCatchingUp) return;
-  leaves_out_ = false;
+  if (step.phase == TrackingPhase::kCatchingUp) return;
+  catches_up_ = false;
   if (step.phase == TrackingPhase::kTracking) ROS_INFO("caught up");
 }
 

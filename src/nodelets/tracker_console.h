@@ -18,7 +18,8 @@ class TrackerConsole {
 
   TrackingPhase phase_ = TrackingPhase::kNoMap;
   bool is_lost_ = false;
-  bool leaves_out_ = false;  // frames, to catch up
+  bool catches_up_ = false;  // with what waited for the map in use
+  bool leaves_out_ = false;  // frames, for that
 };
 
 }  // namespace mba_vo

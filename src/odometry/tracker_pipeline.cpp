@@ -64,22 +64,24 @@ void TrackerPipeline::requestReset() { queue_.push(ResetRequest()); }
 std::optional<TrackerStep> TrackerPipeline::step() {
   in_work_.reset();
   adoptReferences();
-  switch (turn()) {
-    case Turn::kQueue:
-      return takeJob();
-    case Turn::kWaitingFrame:
-      if (auto late = trackWaiting(true)) return late;
-      if (!queue_.empty()) return takeJob();
-      return std::nullopt;
-    case Turn::kNothing:
-      return std::nullopt;
-  }
-  return std::nullopt;
+  return withPhase(nextStep());
 }
 
 std::optional<TrackerStep> TrackerPipeline::finishStep() {
   adoptReferences();
-  return trackWaiting(false);
+  return withPhase(trackWaiting(false));
+}
+
+std::optional<TrackerStep> TrackerPipeline::withPhase(std::optional<TrackerStep> step) const {
+  if (step) step->phase = loop_.phase();
+  return step;
+}
+
+std::optional<TrackerStep> TrackerPipeline::nextStep() {
+  if (turn() == Turn::kWaitingFrame) {
+    if (auto late = trackWaiting(true)) return late;
+  }
+  return queue_.empty() ? std::nullopt : std::optional(takeJob());
 }
 
 std::vector<ReferenceConstPtr> TrackerPipeline::takeAdopted() { return std::exchange(adopted_, {}); }
@@ -174,7 +176,6 @@ TrackerStep TrackerPipeline::takeImage(const CameraImage& image) {
     repeat(image, step);
   } else {
     step.kind = TrackerStep::Kind::kRejected;
-    step.phase = loop_.phase();
   }
   return step;
 }
@@ -187,17 +188,13 @@ Backlog TrackerPipeline::backlog() const {
 
 void TrackerPipeline::track(const FrameConstPtr& frame, bool frozen, TrackerStep& step) {
   step.kind = TrackerStep::Kind::kImage;
-  step.sequence = frame->sequence;
-  step.stamp_ns = frame->stamp_ns;
-  step.mid_exposure_ns = frame->mid_exposure_ns;
   step.exposure = frame->exposure;
   const bool keeps_up = loop_.phase() == TrackingPhase::kTracking || loop_.phase() == TrackingPhase::kRevising;
   const TrackedFrameConstPtr tracked = loop_.process(frame, backlog(), frozen);
   if (keeps_up && loop_.phase() == TrackingPhase::kCatchingUp && !std::exchange(told_of_leaps_, true)) {
     step.notice += step.notice.empty() ? kLeaps : std::string("; ") + kLeaps;
   }
-  step.message = messageOf(tracked);
-  step.phase = loop_.phase();
+  addResult(tracked, step);
   step.T_odom_camera = loop_.T_odom_camera();
   step.T_map_odom = loop_.T_map_odom();
   step.covariance = covariance_.update(*tracked, step.T_odom_camera, step.T_map_odom);
@@ -209,10 +206,17 @@ void TrackerPipeline::track(const FrameConstPtr& frame, bool frozen, TrackerStep
   last_ = step;
 }
 
+void TrackerPipeline::addResult(const TrackedFrameConstPtr& tracked, TrackerStep& step) {
+  step.sequence = tracked->frame->sequence;
+  step.stamp_ns = tracked->frame->stamp_ns;
+  step.mid_exposure_ns = tracked->frame->mid_exposure_ns;
+  step.message = messageOf(tracked);
+  for (const TrackedFrameConstPtr& placed : loop_.takeInterpolated()) step.placed.push_back(messageOf(placed));
+}
+
 /// The image was exposed when the one that it repeats was, and the camera was there then.
 void TrackerPipeline::repeat(const CameraImage& image, TrackerStep& step) const {
   step.kind = TrackerStep::Kind::kRepeated;
-  step.phase = loop_.phase();
   if (!last_.message.tracked) return;
   step.mid_exposure_ns = last_.mid_exposure_ns;
   step.exposure = last_.exposure;
@@ -235,12 +239,7 @@ std::optional<TrackerStep> TrackerPipeline::trackWaiting(bool may_hold) {
   step.failed_leap = loop_.hasFailedToLeap();
   if (!tracked) return step.failed_leap ? std::optional(step) : std::nullopt;
   step.kind = TrackerStep::Kind::kLate;
-  step.sequence = tracked->frame->sequence;
-  step.stamp_ns = tracked->frame->stamp_ns;
-  step.mid_exposure_ns = tracked->frame->mid_exposure_ns;
-  step.message = messageOf(tracked);
-  for (const TrackedFrameConstPtr& placed : loop_.takeInterpolated()) step.placed.push_back(messageOf(placed));
-  step.phase = loop_.phase();
+  addResult(tracked, step);
   return step;
 }
 

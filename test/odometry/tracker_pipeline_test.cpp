@@ -1,5 +1,6 @@
 #include "mba_vo/odometry/tracker_pipeline.h"
 
+#include <algorithm>
 #include <iterator>
 #include <optional>
 #include <set>
@@ -59,6 +60,7 @@ TEST(TrackerPipeline, EveryImageHasOneFirstResult) {
   const std::vector<TrackerStep> first = drain(pipeline);
   ASSERT_EQ(first.size(), 2U);
   EXPECT_EQ(first[0].kind, TrackerStep::Kind::kPassed) << "the calibration";
+  EXPECT_EQ(first[0].phase, TrackingPhase::kNoMap);
   EXPECT_EQ(first[1].kind, TrackerStep::Kind::kImage);
   EXPECT_EQ(first[1].arrival, 3.5);
   EXPECT_EQ(first[1].message.session, kSession);
@@ -130,6 +132,20 @@ TEST(TrackerPipeline, WhereImagesComeTooFastTheNewestIsTrackedAndTheOthersArePla
   EXPECT_GT(placed, 0U);
   EXPECT_EQ(pipeline.tracking().phase(), TrackingPhase::kTracking);
   EXPECT_LT(distance(pipeline.tracking().T_map_odom() * pipeline.tracking().T_odom_camera(), truth(0, 7)), kClose);
+}
+
+TEST(TrackerPipeline, AStepWithoutAResultTellsThePhaseToo) {
+  TrackerPipeline pipeline(pipelineConfig(), kSession);
+  begin(pipeline, 2);
+  for (int i = 3; i <= 5; ++i) pipeline.addImage(image(i));
+  CameraImage other = image(6);
+  other.image = cv::Mat(other.image.size(), other.image.type());
+  cv::randn(other.image, 128.0, 60.0);
+  pipeline.addImage(other);
+  const std::vector<TrackerStep> steps = drain(pipeline);
+  const auto failed = std::find_if(steps.begin(), steps.end(), [](const TrackerStep& s) { return s.failed_leap; });
+  ASSERT_NE(failed, steps.end());
+  EXPECT_EQ(failed->phase, TrackingPhase::kCatchingUp);
 }
 
 TEST(TrackerPipeline, NewImagesGoBeforeFramesThatAreTrackedOnceMore) {

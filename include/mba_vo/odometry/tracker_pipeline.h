@@ -115,6 +115,8 @@ class TrackerPipeline {
   static std::size_t bytesOf(const Job& job);
   static std::size_t mostDispensable(const std::deque<Job>& jobs);
   Turn turn() const;
+  std::optional<TrackerStep> nextStep();
+  std::optional<TrackerStep> withPhase(std::optional<TrackerStep> step) const;
   TrackerStep takeJob();
   /// What is to be said of it; may be empty.
   std::string relieve();
@@ -126,6 +128,7 @@ class TrackerPipeline {
   TrackerStep reset(const std::string& reason);
   void beginSession();
   void track(const FrameConstPtr& frame, bool frozen, TrackerStep& step);
+  void addResult(const TrackedFrameConstPtr& tracked, TrackerStep& step);
   void repeat(const CameraImage& image, TrackerStep& step) const;
   TrackerMessage messageOf(const TrackedFrameConstPtr& tracked) const;
 
