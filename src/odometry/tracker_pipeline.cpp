@@ -64,7 +64,9 @@ void TrackerPipeline::requestReset() { queue_.push(ResetRequest()); }
 std::optional<TrackerStep> TrackerPipeline::step() {
   in_work_.reset();
   adoptReferences();
-  return withPhase(nextStep());
+  auto step = withPhase(nextStep());
+  idle_since_image_ = idle_since_image_ || !step;
+  return step;
 }
 
 std::optional<TrackerStep> TrackerPipeline::finishStep() {
@@ -154,7 +156,8 @@ TrackerStep TrackerPipeline::takeFrame(const FrameConstPtr& frame) {
 /// While frames of the past are tracked, images wait on every machine.
 std::string TrackerPipeline::relieve() {
   if (loop_.phase() == TrackingPhase::kGoingBack) return "";
-  if (!load_.isTooHigh(!queue_.empty() || loop_.phase() == TrackingPhase::kCatchingUp)) return "";
+  const bool waited = !std::exchange(idle_since_image_, false);
+  if (!load_.isTooHigh(waited || loop_.phase() == TrackingPhase::kCatchingUp)) return "";
   return intake_.halve();
 }
 

@@ -8,8 +8,8 @@ constexpr double kMost = 0.3;     // of them; a machine that keeps up has single
 
 }  // namespace
 
-bool TrackingLoad::isTooHigh(bool others_wait) {
-  share_ += ((others_wait ? 1.0 : 0.0) - share_) / kImages;
+bool TrackingLoad::isTooHigh(bool waited) {
+  share_ += ((waited ? 1.0 : 0.0) - share_) / kImages;
   if (share_ < kMost) return false;
   share_ = 0.0;  // what is done about it needs time to show
   return true;

@@ -33,8 +33,7 @@ TrackingLoop::TrackingLoop(const OdometryConfig& config)
 TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame, Backlog backlog, bool frozen) {
   if (!hasContent(frame->pyramid)) return blind(frame, kNoContent);
   if (frozen) return blind(frame, kFrozen);
-  const bool enough = backlog == Backlog::kTooMuch || !KeyframeScheduler::isBad(worst_need_);
-  if (phase_ == TrackingPhase::kRevising && enough) leaveRevisions();
+  if (phase_ == TrackingPhase::kRevising && !hasTimeToRevise(*frame, backlog)) leaveRevisions();
   if (phase_ == TrackingPhase::kRevising) {
     if (auto tracked = trackAhead(frame)) return tracked;
   }
@@ -138,6 +137,7 @@ void TrackingLoop::reset() {
   no_map_reason_ = kNoMap;
   scheduler_.meet();
   reckoning_.reset();
+  revision_pace_.reset();
 }
 
 /// An image to which nothing can be aligned.
@@ -196,10 +196,12 @@ void TrackingLoop::changeKeyframe(const ReferenceConstPtr& reference, bool may_g
   std::vector<RecentFrames::Entry> again =
       recent_.takeAfter(found ? frames_.state().lastNs() : reference->mid_exposure_ns);
   if (found && !again.empty()) again.front().before = frames_.state();
-  if (!may_go_back || leap_.isPressed() || again.empty()) return change(TrackingEvent::kKeyframe);
+  const bool no_time = leap_.isPressed() || (newest_known && revision_pace_.rests(newest_.lastNs()));
+  if (!may_go_back || no_time || again.empty()) return change(TrackingEvent::kKeyframe);
   frames_.goOnFrom(again.front().before);
   for (const RecentFrames::Entry& entry : again) worst_need_ = std::max(worst_need_, entry.need);
   waiting_.addRevisions(again);
+  revision_pace_.begin();
   change(newest_known ? TrackingEvent::kRevise : TrackingEvent::kGoBack);
 }
 
@@ -242,6 +244,11 @@ TrackedFrameConstPtr TrackingLoop::trackAhead(const FrameConstPtr& frame) {
   reckoning_.beginAt(*tracked, frames_.T_odom_camera(), frames_.meanDepth());
   if (waiting_.seconds() > kLongestRevision) leaveRevisions();
   return tracked;
+}
+
+bool TrackingLoop::hasTimeToRevise(const Frame& image, Backlog backlog) {
+  const bool needed = KeyframeScheduler::isBad(worst_need_);
+  return needed && backlog != Backlog::kTooMuch && !revision_pace_.isTooSlow(waiting_.size(), image.mid_exposure_ns);
 }
 
 /// The first results of the frames that wait are good enough.

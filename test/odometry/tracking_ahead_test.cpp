@@ -103,6 +103,23 @@ TEST(TrackingAhead, FramesThatWereSeenWellEnoughAreLeftAlone) {
   EXPECT_GT(tracked_again, 0);
 }
 
+TEST(TrackingAhead, WhereNewFramesTakeAllTheTimeTheFirstResultsStand) {
+  TrackingLoop loop(demanding());
+  leaveTheView(loop, kLast);
+  ASSERT_TRUE(loop.take(keyframeAt(kKeyframe)));
+  for (int i = kLast + 1; i <= kLast + 4; ++i) {
+    ASSERT_EQ(loop.phase(), TrackingPhase::kRevising) << i;
+    expectTracked(*loop.process(frame(i)), i);
+  }
+  EXPECT_EQ(loop.phase(), TrackingPhase::kTracking);
+  EXPECT_EQ(loop.waitingFrames(), 0U);
+  // The next try would be as much in vain.
+  auto next = makeReference(1, 2, kLast + 1, truth(0, kLast + 1));
+  next->T_map_keyframe[1] = truth(0, kKeyframe);
+  ASSERT_TRUE(loop.take(next));
+  EXPECT_EQ(loop.phase(), TrackingPhase::kTracking);
+}
+
 TEST(TrackingAhead, IfOneIsLostTheFirstResultsStand) {
   TrackingLoop loop(demanding());
   leaveTheView(loop, kLast);

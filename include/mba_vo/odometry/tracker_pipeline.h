@@ -146,6 +146,7 @@ class TrackerPipeline {
   std::uint64_t session_;
   std::string camera_frame_;       // of the newest image
   bool late_since_image_ = false;  // a waiting frame has been tracked since the last image
+  bool idle_since_image_ = true;   // nothing was left to do
   bool keep_map_ = true;
   bool told_of_leaps_ = false;
   std::vector<ReferenceConstPtr> adopted_;

@@ -6,11 +6,11 @@ namespace mba_vo {
 /// run goes the same way, and offline, where nothing waits, nothing changes.
 class TrackingLoad {
  public:
-  /// Of an image that is to be tracked: whether later ones wait already. True if that is so too often.
-  bool isTooHigh(bool others_wait);
+  /// Of an image that is to be tracked: whether it had to wait for what was done before. True if that is so too often.
+  bool isTooHigh(bool waited);
 
  private:
-  double share_ = 0.0;  // of the last images behind which others waited
+  double share_ = 0.0;  // of the last images that had to wait
 };
 
 }  // namespace mba_vo

@@ -12,6 +12,7 @@
 #include "mba_vo/odometry/frame_tracking.h"
 #include "mba_vo/odometry/keyframe_scheduler.h"
 #include "mba_vo/odometry/recent_frames.h"
+#include "mba_vo/odometry/revision_pace.h"
 #include "mba_vo/odometry/tracking_phase.h"
 #include "mba_vo/odometry/waiting_frames.h"
 
@@ -76,6 +77,7 @@ class TrackingLoop {
   TrackedFrameConstPtr wait(const FrameConstPtr& frame, Backlog backlog);
   void reckon(bool measured, TrackedFrame& result);
   TrackedFrameConstPtr trackAhead(const FrameConstPtr& frame);
+  bool hasTimeToRevise(const Frame& image, Backlog backlog);
   void leaveRevisions();
   void interpolate(const ExposureTrajectory& before, std::int64_t before_ns, const TrackedFrame& after);
   std::shared_ptr<TrackedFrame> trackNow(const WaitingFrame& next, bool has_time);
@@ -100,7 +102,8 @@ class TrackingLoop {
   std::vector<TrackedFrameConstPtr> interpolated_;  // not taken yet
   RecentFrames recent_;                             // before those that wait
   TrackingState newest_;                            // while revising: by first results
-  double worst_need_ = 0.0;                         // of the frames being revised, when they were tracked before
+  RevisionPace revision_pace_;
+  double worst_need_ = 0.0;  // of the frames being revised, when they were tracked before
   std::string no_map_reason_;
 };
 

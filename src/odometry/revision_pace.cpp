@@ -1,0 +1,23 @@
+#include "mba_vo/odometry/revision_pace.h"
+
+namespace mba_vo {
+namespace {
+
+// Live runs in simulated time (docs/decisions/2026-11-27-slow-cores.md).
+constexpr int kPatience = 3;                     // images
+constexpr std::int64_t kRest_ns = 1000000000LL;  // a try delays that many images: a tenth at 30 Hz
+
+}  // namespace
+
+bool RevisionPace::isTooSlow(std::size_t waiting, std::int64_t image_ns) {
+  if (waiting < least_) {
+    least_ = waiting;
+    images_ = 0;
+    return false;
+  }
+  if (++images_ < kPatience) return false;
+  rests_until_ns_ = image_ns + kRest_ns;
+  return true;
+}
+
+}  // namespace mba_vo
