@@ -21,4 +21,9 @@ std::size_t CatchUpLeap::over(std::size_t waiting, std::int64_t newest_ns) {
   return hurried_ || elapsed >= kPatience ? std::min(waiting - 1, furthest_) : 0;
 }
 
+void CatchUpLeap::reach(std::size_t frames) {
+  if (furthest_ != kAnywhere) furthest_ = 2 * frames + 1;
+  lost_ = 0;
+}
+
 }  // namespace mba_vo

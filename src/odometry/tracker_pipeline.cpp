@@ -65,7 +65,7 @@ std::optional<TrackerStep> TrackerPipeline::step() {
   in_work_.reset();
   adoptReferences();
   auto step = withPhase(nextStep());
-  idle_since_image_ = idle_since_image_ || !step;
+  if (!step) idle_since_image_ = true;
   return step;
 }
 
@@ -198,6 +198,7 @@ void TrackerPipeline::track(const FrameConstPtr& frame, bool frozen, TrackerStep
     step.notice += step.notice.empty() ? kLeaps : std::string("; ") + kLeaps;
   }
   addResult(tracked, step);
+  step.failed_leap = loop_.hasFailedToLeap();
   step.T_odom_camera = loop_.T_odom_camera();
   step.T_map_odom = loop_.T_map_odom();
   step.covariance = covariance_.update(*tracked, step.T_odom_camera, step.T_map_odom);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "mba_vo/geometry/angles.h"
 #include "mba_vo/image/image_content.h"
 #include "mba_vo/odometry/tracking_results.h"
 #include "mba_vo/trajectory/pose_interpolation.h"
@@ -31,6 +30,7 @@ TrackingLoop::TrackingLoop(const OdometryConfig& config)
       no_map_reason_(kNoMap) {}
 
 TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame, Backlog backlog, bool frozen) {
+  failed_leap_ = false;
   if (!hasContent(frame->pyramid)) return blind(frame, kNoContent);
   if (frozen) return blind(frame, kFrozen);
   if (phase_ == TrackingPhase::kRevising && !hasTimeToRevise(*frame, backlog)) leaveRevisions();
@@ -43,6 +43,9 @@ TrackedFrameConstPtr TrackingLoop::process(const FrameConstPtr& frame, Backlog b
   }
   if (phase_ == TrackingPhase::kTracking || phase_ == TrackingPhase::kLost) {
     return trackNow({frame, true, false, false}, backlog == Backlog::kNothing);
+  }
+  if (isInHurry() && backlog == Backlog::kNothing) {
+    if (auto tracked = goOnWith(frame)) return tracked;
   }
   return wait(frame, backlog);
 }
@@ -69,69 +72,58 @@ TrackedFrameConstPtr TrackingLoop::trackWaiting(bool may_hold) {
     return nullptr;
   }
   if (may_hold && scheduler_.holds(waiting_)) return nullptr;
-  const ExposureTrajectory before = frames_.state().last();
-  const std::int64_t before_ns = frames_.state().lastNs();
   std::size_t over = 0;
   if (may_hold && phase_ == TrackingPhase::kCatchingUp) {
     over = leap_.over(waiting_.size(), waiting_.back().frame->mid_exposure_ns);
   }
-  const auto tracked = over > 0 ? leap(over) : track(waiting_.takeFirst());
-  failed_leap_ = !tracked;
+  const auto tracked = over > 0 ? leap(waiting_.at(over), over) : track(waiting_.takeFirst());
   if (!tracked) return nullptr;
-  if (tracked->tracked()) interpolate(before, before_ns, *tracked);
-  left_out_.clear();
+  if (phase_ == TrackingPhase::kCatchingUp) tracked->tracked() ? leap_.reach(over) : leap_.lose();
+  if (leap_.isHopeless()) giveUpWaiting();
   if (phase_ != TrackingPhase::kRevising || tracked->tracked()) return tracked;
   leaveRevisions();
   return nullptr;
 }
 
-/// Null if the frame is out of reach.
-std::shared_ptr<TrackedFrame> TrackingLoop::leap(std::size_t over) {
-  const WaitingFrame& next = waiting_.at(over);
+/// The newest image, while others wait. Null if it is out of reach.
+TrackedFrameConstPtr TrackingLoop::goOnWith(const FrameConstPtr& frame) {
+  waiting_.dropUntil(frames_.state().lastNs());
+  const std::size_t over = leap_.over(waiting_.size() + 1, frame->mid_exposure_ns);
+  return over > 0 && over == waiting_.size() ? leap({frame, true, false, false}, over) : nullptr;
+}
+
+/// To a frame that comes after the first `over` that wait, which are left out. Null if it is out of reach.
+std::shared_ptr<TrackedFrame> TrackingLoop::leap(const WaitingFrame& waits, std::size_t over) {
+  const WaitingFrame next = waits;
   const TrackingState before = frames_.state();
-  const auto turn = reckoning_.turnBetween(before.lastNs(), next.frame->mid_exposure_ns);
-  auto tracked = frames_.leapTo(next.frame, turn);
-  if (!tracked) {
+  auto tracked = frames_.leapTo(next.frame, reckoning_.turnBetween(before.lastNs(), next.frame->mid_exposure_ns));
+  failed_leap_ = !tracked;
+  if (failed_leap_) {
     leap_.fail(over);
     return nullptr;
   }
-  for (; over > 0; --over) left_out_.push_back(waiting_.takeFirst().frame);
-  goOnFrom(waiting_.takeFirst(), before, *tracked);
+  std::vector<FrameConstPtr> left_out;
+  for (; over > 0; --over) left_out.push_back(waiting_.takeFirst().frame);
+  waiting_.dropUntil(next.frame->mid_exposure_ns);
+  goOnFrom(next, before, *tracked);
+  const StampedPose begin{before.lastNs(), before.last().T_reference_mid, before.last().velocity};
+  interpolated_ = placedBetween(begin, *tracked, left_out, motion_prior_, frames_.meanDepth());
   return tracked;
 }
 
-std::vector<TrackedFrameConstPtr> TrackingLoop::takeInterpolated() { return std::exchange(interpolated_, {}); }
-
-/// The frames that were left out between two that were tracked.
-void TrackingLoop::interpolate(const ExposureTrajectory& before, std::int64_t before_ns, const TrackedFrame& after) {
-  const std::int64_t after_ns = after.frame->mid_exposure_ns;
-  const StampedPose begin{before_ns, before.T_reference_mid, before.velocity};
-  const StampedPose end{after_ns, after.trajectory.T_reference_mid, after.trajectory.velocity};
-  const double interval = 1e-9 * static_cast<double>(after_ns - before_ns);  // [s]
-  Vector6 swing;  // to each side, if the acceleration swings once in the meantime [m, rad]
-  swing.head<3>().setConstant(motion_prior_.linear_acceleration * frames_.meanDepth());
-  swing.tail<3>().setConstant(motion_prior_.angular_acceleration);
-  swing *= interval * interval / (4.0 * kPi * kPi);
-  for (const FrameConstPtr& frame : left_out_) {
-    const StampedPose there = interpolatePose(begin, end, frame->mid_exposure_ns);
-    const auto placed = untracked(frame, TrackingStatus::kDegraded, "left out to catch up, placed by its neighbours");
-    placed->reference = after.reference;
-    placed->trajectory = after.trajectory;
-    placed->trajectory.T_reference_mid = there.T_map_camera;
-    placed->trajectory.velocity = there.velocity;
-    placed->brightness = after.brightness;
-    placed->covariance = after.covariance;
-    placed->covariance.diagonal().head<6>() += swing.cwiseAbs2();
-    placed->expected_error = after.expected_error;
-    interpolated_.push_back(placed);
-  }
+/// The camera is lost: what is looked for is where it is now.
+void TrackingLoop::giveUpWaiting() {
+  waiting_.clear();
+  change(TrackingEvent::kNothingWaits);
+  change(TrackingEvent::kFrameLost);
 }
+
+std::vector<TrackedFrameConstPtr> TrackingLoop::takeInterpolated() { return std::exchange(interpolated_, {}); }
 
 void TrackingLoop::reset() {
   change(TrackingEvent::kReset);
   frames_.reset();
   waiting_.clear();
-  left_out_.clear();
   interpolated_.clear();
   recent_.clear();
   no_map_reason_ = kNoMap;

@@ -1,5 +1,7 @@
 #include "mba_vo/odometry/tracking_results.h"
 
+#include "mba_vo/geometry/angles.h"
+
 namespace mba_vo {
 namespace {
 
@@ -22,6 +24,33 @@ TrackedFrameConstPtr stampedAgain(const TrackedFrame& tracked, std::uint64_t seq
   auto again = std::make_shared<TrackedFrame>(tracked);
   again->frame = frame;
   return again;
+}
+
+std::vector<TrackedFrameConstPtr> placedBetween(const StampedPose& begin, const TrackedFrame& end,
+                                                const std::vector<FrameConstPtr>& frames,
+                                                const MotionPriorConfig& prior, double mean_depth) {
+  const std::int64_t end_ns = end.frame->mid_exposure_ns;
+  const StampedPose last{end_ns, end.trajectory.T_reference_mid, end.trajectory.velocity};
+  const double interval = 1e-9 * static_cast<double>(end_ns - begin.mid_exposure_ns);  // [s]
+  Vector6 swing;  // to each side, if the acceleration swings once in the meantime [m, rad]
+  swing.head<3>().setConstant(prior.linear_acceleration * mean_depth);
+  swing.tail<3>().setConstant(prior.angular_acceleration);
+  swing *= interval * interval / (4.0 * kPi * kPi);
+  std::vector<TrackedFrameConstPtr> placed;
+  for (const FrameConstPtr& frame : frames) {
+    const StampedPose there = interpolatePose(begin, last, frame->mid_exposure_ns);
+    const auto between = untracked(frame, TrackingStatus::kDegraded, "left out to catch up, placed by its neighbours");
+    between->reference = end.reference;
+    between->trajectory = end.trajectory;
+    between->trajectory.T_reference_mid = there.T_map_camera;
+    between->trajectory.velocity = there.velocity;
+    between->brightness = end.brightness;
+    between->covariance = end.covariance;
+    between->covariance.diagonal().head<6>() += swing.cwiseAbs2();
+    between->expected_error = end.expected_error;
+    placed.push_back(between);
+  }
+  return placed;
 }
 
 void degrade(TrackedFrame& tracked, const std::string& reason) {

@@ -81,5 +81,28 @@ TEST(CatchUpLeap, BeginsAnewWhenNothingWaitsAnyMore) {
   EXPECT_EQ(leap.over(kMany, at(6.0)), kMany - 1) << "so many waited when it began";
 }
 
+TEST(CatchUpLeap, WhatIsReachedIsWhereItLooksFartherFrom) {
+  CatchUpLeap leap;
+  leap.hurry();
+  leap.fail(leap.over(9, 0));
+  leap.fail(leap.over(9, 0));
+  EXPECT_EQ(leap.over(9, 0), 2U);
+  leap.reach(2);
+  EXPECT_EQ(leap.over(9, 0), 5U);
+}
+
+TEST(CatchUpLeap, ItIsHopelessWhereNotEvenTheNextOnesCanBeAligned) {
+  CatchUpLeap leap;
+  for (int i = 0; i < 5; ++i) leap.lose();
+  EXPECT_FALSE(leap.isHopeless()) << "there is time";
+  leap.hurry();
+  leap.over(9, 0);
+  EXPECT_TRUE(leap.isHopeless());
+  leap.reach(0);
+  leap.lose();
+  leap.lose();
+  EXPECT_FALSE(leap.isHopeless());
+}
+
 }  // namespace
 }  // namespace mba_vo::catch_up_leap_test

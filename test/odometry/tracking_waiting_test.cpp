@@ -123,16 +123,41 @@ TEST(TrackingLoop, WhereImagesComeTooFastSomeAreLeftOut) {
   TrackingLoop loop{OdometryConfig()};
   adopt(loop, makeReference(1, 0, 0, SE3(), 0));
   ASSERT_EQ(loop.process(frame(1), Backlog::kSome)->status, TrackingStatus::kTracking);
-  for (int i = 2; i <= 4; ++i) {
+  for (int i = 2; i <= 3; ++i) {
     const TrackedFrameConstPtr waits = loop.process(frame(i), i < 3 ? Backlog::kTooMuch : Backlog::kSome);
     EXPECT_EQ(waits->status, TrackingStatus::kInitializing);
     EXPECT_EQ(loop.phase(), TrackingPhase::kCatchingUp);
   }
-  const TrackedFrameConstPtr newest = loop.trackWaiting();
-  ASSERT_NE(newest, nullptr);
+  const TrackedFrameConstPtr newest = loop.process(frame(4), Backlog::kNothing);
   EXPECT_EQ(newest->frame->sequence, view(4).id);
+  EXPECT_EQ(newest->status, TrackingStatus::kDegraded) << "nothing confirms it yet";
+  EXPECT_LT(distance(newest->trajectory.T_reference_mid, truth(0, 4)), kClose);
   EXPECT_EQ(loop.takeInterpolated().size(), 2U);
   EXPECT_EQ(loop.phase(), TrackingPhase::kTracking);
+  EXPECT_EQ(loop.waitingFrames(), 0U);
+}
+
+TEST(TrackingLoop, ANewestImageOutOfReachWaitsWithTheOthers) {
+  TrackingLoop loop{OdometryConfig()};
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  for (int i = 1; i <= 3; ++i) loop.process(frame(i), Backlog::kTooMuch);
+  const TrackedFrameConstPtr newest = loop.process(elsewhere(0.2));
+  EXPECT_EQ(newest->status, TrackingStatus::kInitializing);
+  EXPECT_TRUE(loop.hasFailedToLeap());
+  EXPECT_EQ(loop.waitingFrames(), 4U);
+  const TrackedFrameConstPtr late = loop.trackWaiting();
+  ASSERT_NE(late, nullptr);
+  EXPECT_LE(late->frame->sequence, view(3).id);
+}
+
+TEST(TrackingLoop, WhereNothingThatWaitsCanBeAlignedTheNewestImageIsLookedFor) {
+  TrackingLoop loop{OdometryConfig()};
+  adopt(loop, makeReference(1, 0, 0, SE3(), 0));
+  loop.process(frame(1));
+  for (int i = 0; i < 8; ++i) loop.process(elsewhere(0.1 + 0.03 * i), Backlog::kTooMuch);
+  for (int tried = 0; loop.phase() == TrackingPhase::kCatchingUp && tried < 8; ++tried) loop.trackWaiting();
+  EXPECT_EQ(loop.phase(), TrackingPhase::kLost);
+  EXPECT_EQ(loop.waitingFrames(), 0U);
 }
 
 TEST(TrackingLoop, FramesThatSawTheirReferenceBadlyAreTrackedAgainAgainstTheNext) {

@@ -21,6 +21,12 @@ class CatchUpLeap {
   std::size_t over(std::size_t waiting, std::int64_t newest_ns);
   /// That so many were to be leapt over has failed.
   void fail(std::size_t frames) { furthest_ = frames / 2; }
+  /// So many were leapt over: the next may be twice as far. What failed was seen from farther away.
+  void reach(std::size_t frames);
+  /// Not even the oldest one could be aligned.
+  void lose() { ++lost_; }
+  /// Several in a row, and there is no time for more.
+  bool isHopeless() const { return pressed_ && lost_ >= kHopeless; }
   /// What is aligned to has changed: it may reach further.
   void lookFurther() { furthest_ = kAnywhere; }
   /// Images have come in since it began: there is no time for anything else.
@@ -29,12 +35,14 @@ class CatchUpLeap {
   void reset() { *this = {}; }
 
  private:
+  static constexpr int kHopeless = 3;  // one or two in a row are found again by the next
   static constexpr std::size_t kAnywhere = std::numeric_limits<std::size_t>::max();
 
   std::optional<std::int64_t> begin_ns_;  // of the newest frame when it began
   bool hurried_ = false;
   bool pressed_ = false;
   std::size_t furthest_ = kAnywhere;
+  int lost_ = 0;  // in a row
 };
 
 }  // namespace mba_vo

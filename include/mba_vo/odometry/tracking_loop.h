@@ -34,8 +34,8 @@ class TrackingLoop {
   TrackingPhase phase() const { return phase_; }
 
   /// Every frame gives exactly one result; never null. Where others wait, what cannot be aligned to the map has no
-  /// orientation; where too many do, a frame waits as well, to be leapt over. `frozen`: the image has been the same for
-  /// long, and the camera may be anywhere.
+  /// orientation; where too many do, a frame waits as well, to be leapt over by the next that is the newest. `frozen`:
+  /// the image has been the same for long, and the camera may be anywhere.
   TrackedFrameConstPtr process(const FrameConstPtr& frame, Backlog backlog = Backlog::kNothing, bool frozen = false);
   /// Takes a newer snapshot; the prior is re-expressed through the poses that came with it. False if it is of no use.
   /// With another keyframe, frames that were lost, or saw the older one badly, and came after the new one's image, wait
@@ -48,7 +48,7 @@ class TrackingLoop {
   std::size_t waitingFrames() const { return waiting_.size(); }
   /// New images are to wait before any of those that wait already is tracked: the newest is where it goes on.
   bool isInHurry() const { return phase_ == TrackingPhase::kCatchingUp && leap_.isHurried(); }
-  /// A frame was tried in the last call of trackWaiting(), which was too far away.
+  /// A frame was tried in the last call of process() or trackWaiting(), which was too far away.
   bool hasFailedToLeap() const { return failed_leap_; }
   /// Frames leapt over since the last call, if the next one was tracked: placed between their neighbours, for the
   /// mapper, which tracks them when it has time.
@@ -79,10 +79,11 @@ class TrackingLoop {
   TrackedFrameConstPtr trackAhead(const FrameConstPtr& frame);
   bool hasTimeToRevise(const Frame& image, Backlog backlog);
   void leaveRevisions();
-  void interpolate(const ExposureTrajectory& before, std::int64_t before_ns, const TrackedFrame& after);
   std::shared_ptr<TrackedFrame> trackNow(const WaitingFrame& next, bool has_time);
   std::shared_ptr<TrackedFrame> track(const WaitingFrame& next);
-  std::shared_ptr<TrackedFrame> leap(std::size_t over);
+  TrackedFrameConstPtr goOnWith(const FrameConstPtr& frame);
+  std::shared_ptr<TrackedFrame> leap(const WaitingFrame& waits, std::size_t over);
+  void giveUpWaiting();
   void goOnFrom(const WaitingFrame& next, const TrackingState& before, TrackedFrame& tracked);
   void change(TrackingEvent event) {
     phase_ = nextPhase(trackingTable(), phase_, event);
@@ -98,7 +99,6 @@ class TrackingLoop {
   WaitingFrames waiting_;
   CatchUpLeap leap_;
   bool failed_leap_ = false;
-  std::vector<FrameConstPtr> left_out_;             // after the last tracked frame
   std::vector<TrackedFrameConstPtr> interpolated_;  // not taken yet
   RecentFrames recent_;                             // before those that wait
   TrackingState newest_;                            // while revising: by first results
