@@ -55,6 +55,7 @@ void Odometry::reset() {
 }
 
 OdometryResult Odometry::processQueued(OdometryResult result) {
+  tracker_.rest();
   while (tracker_.queuedJobs() > 0) {
     const std::optional<TrackerStep> step = trackerStep(false);
     if (step->began_anew) pending_.clear();

@@ -65,7 +65,7 @@ std::optional<TrackerStep> TrackerPipeline::step() {
   in_work_.reset();
   adoptReferences();
   auto step = withPhase(nextStep());
-  if (!step) idle_since_image_ = true;
+  if (!step) rest();
   return step;
 }
 
@@ -128,8 +128,7 @@ void TrackerPipeline::adoptReferences() {
     references.swap(references_);
   }
   for (const MapperMessage& message : references) {
-    const bool may_go_back = queue_.size() < kImageBacklog;
-    if (message.session == session_ && loop_.take(message.reference, may_go_back)) {
+    if (message.session == session_ && loop_.take(message.reference, queue_.size() < kImageBacklog)) {
       corrected_ = intake_.correct(message.reference->correction) || corrected_;
       adopted_.push_back(message.reference);
     } else {

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mba_vo/odometry/config_yaml.h"
+#include "mba_vo/odometry/odometry.h"
 #include "odometry/outcome.h"
 #include "support/rendered_sequence.h"
 
@@ -173,6 +174,21 @@ TEST(LiveSimulation, WhatCannotBeKeptUpWithIsWorkedOnAtHalfTheSize) {
             1);
   EXPECT_EQ(widthOf(run.images.front()), 752);
   EXPECT_EQ(widthOf(run.images.back()), 376);
+}
+
+TEST(Odometry, WhereNoTimePassesImagesKeepTheirSizeHoweverLongTheMapTakes) {
+  const test::RenderedSequence seen = enlarged(sequence());
+  Odometry odometry(OdometryConfig(), 0);
+  odometry.setCalibration(seen.calibration, {});
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    CameraImage image;
+    image.sequence = i;
+    image.stamp_ns = image.mid_exposure_ns = static_cast<std::int64_t>(33000000 * i);
+    image.image = seen.frames.front().blurred;  // a camera that stands still: no map
+    const OdometryResult result = odometry.process(image);
+    ASSERT_EQ(result.images.size(), 1U);
+    EXPECT_EQ(result.images.front().step.notice, "") << i;
+  }
 }
 
 }  // namespace

@@ -89,6 +89,8 @@ class TrackerPipeline {
   void adoptReferences();
   /// nullopt if there is nothing to do until something comes in. Throws what the tracker throws; a reset then helps.
   std::optional<TrackerStep> step();
+  /// As if step() had said so: the next image has not had to wait. For a run in which no time passes.
+  void rest() { idle_since_image_ = true; }
   /// As step(), of frames that wait alone, and no keyframe is waited for: there will be none.
   std::optional<TrackerStep> finishStep();
   /// References that were taken since the last call, and how many were of no use.
