@@ -4,8 +4,8 @@ namespace mba_vo {
 namespace {
 
 // Live runs in simulated time (docs/decisions/2026-11-27-slow-cores.md).
-constexpr int kPatience = 3;                     // images
-constexpr std::int64_t kRest_ns = 1000000000LL;  // a try delays that many images: a tenth at 30 Hz
+constexpr int kPatience = 3;                  // images
+constexpr std::int64_t kRest = 1000000000LL;  // [ns] a try delays that many images: a tenth at 30 Hz
 
 }  // namespace
 
@@ -16,7 +16,7 @@ bool RevisionPace::isTooSlow(std::size_t waiting, std::int64_t image_ns) {
     return false;
   }
   if (++images_ < kPatience) return false;
-  rests_until_ns_ = image_ns + kRest_ns;
+  rests_until_ns_ = image_ns + kRest;
   return true;
 }
 
