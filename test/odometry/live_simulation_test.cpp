@@ -176,19 +176,47 @@ TEST(LiveSimulation, WhatCannotBeKeptUpWithIsWorkedOnAtHalfTheSize) {
   EXPECT_EQ(widthOf(run.images.back()), 376);
 }
 
+/// Of a camera that stands still, so that there is no map.
+CameraImage stillImage(const test::RenderedSequence& seen, std::uint64_t number) {
+  CameraImage image;
+  image.sequence = number;
+  image.stamp_ns = image.mid_exposure_ns = static_cast<std::int64_t>(33000000 * number);
+  image.image = seen.frames.front().blurred;
+  return image;
+}
+
 TEST(Odometry, WhereNoTimePassesImagesKeepTheirSizeHoweverLongTheMapTakes) {
   const test::RenderedSequence seen = enlarged(sequence());
   Odometry odometry(OdometryConfig(), 0);
   odometry.setCalibration(seen.calibration, {});
   for (std::uint64_t i = 0; i < 40; ++i) {
-    CameraImage image;
-    image.sequence = i;
-    image.stamp_ns = image.mid_exposure_ns = static_cast<std::int64_t>(33000000 * i);
-    image.image = seen.frames.front().blurred;  // a camera that stands still: no map
-    const OdometryResult result = odometry.process(image);
+    const OdometryResult result = odometry.process(stillImage(seen, i));
     ASSERT_EQ(result.images.size(), 1U);
     EXPECT_EQ(result.images.front().step.notice, "") << i;
   }
+}
+
+/// Whether images are halved where each comes while the one before is worked on, or after that.
+bool halves(bool images_wait) {
+  const test::RenderedSequence seen = enlarged(sequence());
+  TrackerPipelineConfig config;
+  config.max_queue_bytes = 64000000;
+  TrackerPipeline pipeline(config, 1);
+  pipeline.setCalibration(seen.calibration);
+  pipeline.step();
+  bool halved = false;
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    pipeline.addImage(stillImage(seen, i));
+    const std::optional<TrackerStep> step = pipeline.step();
+    halved = halved || (step && !step->notice.empty());
+    if (!images_wait) pipeline.step();
+  }
+  return halved;
+}
+
+TEST(TrackerPipeline, ImagesThatHadToWaitAreLoadThoughNoneWaitsBehindThem) {
+  EXPECT_TRUE(halves(true));
+  EXPECT_FALSE(halves(false));
 }
 
 }  // namespace
