@@ -4,7 +4,7 @@ namespace mba_vo {
 namespace {
 
 // Live runs in simulated time (docs/decisions/2026-11-27-slow-cores.md).
-constexpr int kPatience = 3;                  // images
+constexpr int kWaitsFor = 3;                  // images
 constexpr std::int64_t kRest = 1000000000LL;  // [ns] a try delays that many images: a tenth at 30 Hz
 
 }  // namespace
@@ -15,7 +15,7 @@ bool RevisionPace::isTooSlow(std::size_t waiting, std::int64_t image_ns) {
     images_ = 0;
     return false;
   }
-  if (++images_ < kPatience) return false;
+  if (++images_ < kWaitsFor) return false;
   rests_until_ns_ = image_ns + kRest;
   return true;
 }
