@@ -1,0 +1,33 @@
+# The linter reads a room as one unit: constants of two of its files need two names. Run as:
+# cmake -DSOURCE_DIR=<repository> -P namesakes_test.cmake
+cmake_minimum_required(VERSION 3.16)
+set(not_linted nodelets)  # needs ROS
+
+set(namesakes "")
+set(checked 0)
+file(GLOB rooms RELATIVE ${SOURCE_DIR}/src ${SOURCE_DIR}/src/*)
+list(REMOVE_ITEM rooms ${not_linted})
+foreach(room ${rooms})
+  file(GLOB_RECURSE files ${SOURCE_DIR}/src/${room}/*.cpp)
+  set(names "")
+  foreach(file ${files})
+    file(STRINGS ${file} lines REGEX "^(inline )?const(expr)? .*[ *]k[A-Z][A-Za-z0-9]*[ {[=]")
+    foreach(line ${lines})
+      string(REGEX REPLACE "^[^={]*[ *](k[A-Z][A-Za-z0-9]*).*" "\\1" name "${line}")
+      if(name IN_LIST names)
+        list(APPEND namesakes "${file}: ${name}")
+      endif()
+      list(APPEND names ${name})
+      math(EXPR checked "${checked} + 1")
+    endforeach()
+  endforeach()
+endforeach()
+
+if(checked LESS 100)
+  message(FATAL_ERROR "only ${checked} constants found below ${SOURCE_DIR}/src")
+endif()
+if(namesakes)
+  list(JOIN namesakes "\n" text)
+  message(FATAL_ERROR "Constants that another file of the room has as well:\n${text}")
+endif()
+message(STATUS "${checked} constants have names of their own")
