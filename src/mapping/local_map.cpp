@@ -46,8 +46,7 @@ LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initi
       archives_departing_(config.loops.close) {
   window_.setCorrection(calibration_.correction());
   const FrameConstPtr& frame = initial.reference;
-  addKeyframe(frame, windowKeyframe(frame, place.T_map_keyframe, reference_motion, place.brightness),
-              frame->exposure.has_value());
+  addKeyframe(frame, windowKeyframe(frame, place.T_map_keyframe, reference_motion, place.brightness));
   for (const ReferencePoint& point : initial.points) {
     const MeasuredDepth depth{static_cast<double>(point.inverse_depth), static_cast<double>(point.variance)};
     window_.addPoint(newestKeyframe(), point.pixel.cast<double>(), depth.inverse_depth,
@@ -71,12 +70,12 @@ std::optional<ExposureTrajectory> LocalMap::align(const TrackedFrame& tracked) c
   return ExposureTrajectory{T_map_reference.inverse() * found->T_map_keyframe, found->xi / exposure, exposure};
 }
 
-void LocalMap::addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe, bool exposure_told) {
+void LocalMap::addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe) {
   keyframe.id = next_keyframe_++;
   // It has the whole motion in it, until it is replaced by a sharp one.
   if (config_.commute_blur) keyframe.image_xi = keyframe.xi;
   window_.addKeyframe(keyframe);
-  const auto untold = exposure_told ? std::nullopt : std::make_optional(frame->exposure.value_or(0.0));
+  const auto untold = frame->exposureWasTold() ? std::nullopt : std::make_optional(frame->exposure.value_or(0.0));
   keyframes_[keyframe.id] = {frame, keyframe.original, untold, {}};
 }
 
@@ -151,7 +150,7 @@ KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const BodyM
   if (tracked.exposures) reviseExposures(*tracked.exposures);
   WindowKeyframe keyframe = windowKeyframe(tracked.frame, T_map_camera(tracked), motion, tracked.brightness);
   keyframe.blur_length_px = tracked.measures.blur_length_px;
-  addKeyframe(tracked.frame, std::move(keyframe), tracked.frame->exposure && !tracked.exposures);
+  addKeyframe(tracked.frame, std::move(keyframe));
   window_.addResidualsTo(newestKeyframe());
   const StageClock::time_point stage = StageClock::now();
   alignBlurred(tracked.measures.blur_length_px);
@@ -213,6 +212,7 @@ std::shared_ptr<Reference> LocalMap::makeReference(KeyframeId keyframe, const st
   reference->metric = metric_;
   reference->mid_exposure_ns = keyframes_.at(keyframe).frame->mid_exposure_ns;
   reference->exposure = exposureOf(keyframes_.at(keyframe));
+  reference->exposure_log_sigma = keyframes_.at(keyframe).frame->exposure_log_sigma;
   reference->T_map_reference = window_.T_map_keyframe(keyframe);
   reference->pyramid = imageAsKnownNow(keyframes_.at(keyframe));
   reference->image_xi = window_.imageMotion(keyframe);

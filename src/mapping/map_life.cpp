@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "mapper_impl.h"
+#include "mba_vo/initialization/initial_exposure.h"
 #include "mba_vo/mapping/initial_frames.h"
 #include "mba_vo/mapping/initial_vignette.h"
 
@@ -38,6 +39,7 @@ MapperOutput Mapper::Impl::initialize(const FrameConstPtr& frame) {
   calibration_before_map_ = *calibration_;
   initial_frames_ = initializer_.bufferedFrames();
   if (initial->row_time != 0.0) adoptRowTime(*initial);
+  if (config_.tracker.estimate_exposure && !initial->reference->exposureWasTold()) adoptExposure(*initial);
   if (config_.refine_calibration) calibration_->add(linearizeInitialVignette(*initial, calibration_->correction()));
   LocalMap::Place place;
   place.keyframe = next_keyframe_id_;
@@ -64,6 +66,18 @@ void Mapper::Impl::adoptRowTime(InitialMap& initial) {
   initial.reference = withCamera(initial.reference, correction);
   for (InitialMap::Pose& pose : initial.poses) pose.frame = withCamera(pose.frame, correction);
   for (FrameConstPtr& frame : initial_frames_) frame = withCamera(frame, correction);
+}
+
+/// Nobody told it, but a map whose frames are taken for sharp goes wrong from the beginning.
+void Mapper::Impl::adoptExposure(InitialMap& initial) {
+  const std::optional<ExposureSample> found = initialExposure(initial, config_.tracker);
+  if (!found) return;
+  const auto adopted = [&](const FrameConstPtr& frame) {
+    return withExposure(frame, found->exposure, found->log_sigma);
+  };
+  initial.reference = adopted(initial.reference);
+  for (InitialMap::Pose& pose : initial.poses) pose.frame = adopted(pose.frame);
+  for (FrameConstPtr& frame : initial_frames_) frame = adopted(frame);
 }
 
 std::optional<KeyframeReport> Mapper::Impl::begin(std::unique_ptr<InitialMap> initial, const BodyMotion& motion) {

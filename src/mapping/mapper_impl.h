@@ -82,6 +82,7 @@ class Mapper::Impl {
   void beginCalibration(const CalibrationCorrection& known);
   /// What the first map says of the shutter: its frames are read so, and those that come will be.
   void adoptRowTime(InitialMap& initial);
+  void adoptExposure(InitialMap& initial);
   /// The first reference, with a hint about the newest frame whose pose the initialiser knows: the tracker goes on from
   /// there. Those that came before are tracked, for the trajectory, when there is time.
   std::optional<KeyframeReport> begin(std::unique_ptr<InitialMap> initial, const BodyMotion& motion);

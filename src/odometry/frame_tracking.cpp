@@ -20,6 +20,10 @@ void FrameTracking::begin(const ReferenceConstPtr& reference, const SE3& T_odom_
   T_odom_reference_ = T_odom_hint * state_.T_reference_last().inverse();
   judge_.reset();
   exposures_.forgetFrames();
+  const bool untold = reference->exposure && reference->exposure_log_sigma > 0.0;
+  if (untold && reference->cause == ReferenceCause::kMapBegins) {
+    exposures_.learn(reference->mid_exposure_ns, {*reference->exposure, reference->exposure_log_sigma});
+  }
   lost_.find();
 }
 
@@ -55,7 +59,8 @@ void FrameTracking::reset() {
 
 FrameConstPtr FrameTracking::asKnownNow(const FrameConstPtr& frame) const {
   const auto exposure = exposures_.exposureFor(frame->exposure, frame->mid_exposure_ns);
-  return withExposure(frame, exposure);
+  const bool estimated = exposure && !frame->exposure;
+  return withExposure(frame, exposure, estimated ? exposures_.estimate(false, frame->mid_exposure_ns).log_sigma : 0.0);
 }
 
 std::shared_ptr<TrackedFrame> FrameTracking::track(const FrameConstPtr& given, const std::optional<CameraTurn>& turn) {

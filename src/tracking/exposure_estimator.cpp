@@ -6,8 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "mba_vo/tracking/frame_measures.h"
-
 namespace mba_vo {
 namespace {
 
@@ -23,8 +21,6 @@ constexpr int kVaryingProbes = 2;         // the same, of exposures that change
 constexpr double kGuessSigma = 0.8;       // of log ratio, of the assumed exposure
 constexpr double kAgreement = 0.2;        // of log ratio, between the last sample and a well-known ratio
 constexpr double kWellKnownSigma = 0.05;  // of log ratio
-constexpr double kLongest = 1.5;          // exposure that is tried, in intervals; their noise is not to be cut off
-constexpr double kBlurSigma = 0.3;        // [px] what path and patches have wrong
 // Blur of the reference, as a share of the frame's along it, that is too much: 0.6 leaves too few samples, 1 and more
 // too many wrong ones (docs/decisions/2026-11-21-unknown-exposure.md).
 constexpr double kLikeReference = 0.8;
@@ -34,8 +30,6 @@ constexpr double kRightAgain = 0.1;      // the same, until which they are not
 constexpr double kSignificance = 4.0;    // standard deviations
 constexpr double kCommon = 2.0;          // the same of one sample, for what all have wrong alike does not average out
 constexpr double kMedianSigma = 1.2533 * 1.4826;  // of a median, over median deviation / sqrt(samples)
-
-double square(double x) { return x * x; }
 
 double seconds(const TrackedFrame& from, const TrackedFrame& to) {
   return 1e-9 * static_cast<double>(to.frame->mid_exposure_ns - from.frame->mid_exposure_ns);
@@ -113,6 +107,13 @@ void ExposureEstimator::add(const ReferenceConstPtr& reference, const std::share
   update(ratio_);
 }
 
+void ExposureEstimator::learn(std::int64_t mid_exposure_ns, const ExposureSample& sample) {
+  const double time = 1e-9 * static_cast<double>(mid_exposure_ns);
+  if (history_ && time <= history_->newestTime()) return;
+  unknown_.add(time, std::log(sample.exposure / config_.unknown_exposure), sample.log_sigma);
+  updateHistory();
+}
+
 int ExposureEstimator::framesBetweenProbes(bool known) const {
   if (!known) return unknown_.samples() < static_cast<int>(kLeastSamples) ? 1 : kVaryingProbes;
   if (ratio_.samples.size() < kLeastSamples) return 1;
@@ -133,32 +134,16 @@ std::optional<ExposureSample> ExposureEstimator::probeMiddle(const Reference& re
   if (interval > kLongestInterval) return std::nullopt;
   const Vector6 velocity = derivativeAtZero(times, motions);
   const Vector6 rough = derivativeAtZero({times[1], 0.0, times[3]}, {motions[1], motions[2], motions[3]});
-  const auto pathOf = [&](const Vector6& v) {
-    return measureFrame(reference, {middle.T_reference_mid, v, interval}).blur_length_px;
-  };
-  const double path = pathOf(velocity);
-  const double doubt = pathOf(velocity - rough);
-  if (path < kLeastMotion || doubt > kSmooth * path) return std::nullopt;
-  const Vector6 reference_velocity = blurVelocity(reference, *middle.tracked);
-  const double like_reference =
-      (square(pathOf(velocity + reference_velocity)) - square(pathOf(velocity - reference_velocity))) /
-      (4.0 * square(path));
-  if (std::abs(like_reference) > kLikeReference) return std::nullopt;
   TrackedFrame tracked = *middle.tracked;
   tracked.trajectory.T_reference_mid = middle.T_reference_mid;
+  const Passage passage = passageOf(reference, tracked, velocity, interval);
+  const double doubt_px = passageOf(reference, tracked, velocity - rough, interval).path_px;
+  if (passage.path_px < kLeastMotion || doubt_px > kSmooth * passage.path_px) return std::nullopt;
+  if (std::abs(passage.alike) > kLikeReference) return std::nullopt;
   left_out_ = 0;
   const ExposureEstimate expected = estimate(middle.known, middle.tracked->frame->mid_exposure_ns);
-  std::optional<ExposureSample> sample = probeExposure(
-      reference, tracked, velocity, {expected.ratio * middle.given, expected.log_sigma}, kLongest * interval, config_);
-  if (!sample) return std::nullopt;
-  // What is wrong in a short blur makes it seem long: an exposure that came is doubted by the blur it would make.
-  const double least = middle.known ? std::min(middle.given, sample->exposure) : sample->exposure;
-  const double blur = path * least / interval;  // [px]
-  // What shows is the difference of the squares of both blurs.
-  const double shown = 1.0 - square(like_reference);
-  sample->log_sigma = std::hypot(sample->log_sigma, doubt / path / shown, kBlurSigma / blur / shown);
-  sample->exposure = std::min(sample->exposure, interval);  // no camera exposes longer than until the next image
-  return sample;
+  return sampleExposure(reference, tracked, passage, doubt_px, {expected.ratio * middle.given, expected.log_sigma},
+                        middle.known ? std::optional(middle.given) : std::nullopt, config_);
 }
 
 void ExposureEstimator::updateHistory() {

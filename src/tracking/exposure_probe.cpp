@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mba_vo/solver/levenberg_marquardt.h"
+#include "mba_vo/tracking/frame_measures.h"
 #include "mba_vo/tracking/point_subset.h"
 
 namespace mba_vo {
@@ -24,6 +25,21 @@ constexpr double kShortest = 1e-3;       // [s] of them
 constexpr double kFixed = 1e12;          // information that leaves no freedom
 constexpr double kReferenceShare = 0.5;  // of the variance of the residuals
 constexpr double kLargestSigma = 0.7;    // of log exposure; a sample that tells less is none
+constexpr double kLongest = 1.5;         // exposure that is tried, in intervals; their noise is not to be cut off
+constexpr double kBlurSigma = 0.3;       // [px] what path and patches have wrong
+// Images taken for blurred too widely spoil a map, by 7 % as much as by 50 %; too narrowly by 7 %, not at all. So what
+// nobody told is taken for as short as it may well be, down to this much of its logarithm, the least that helps
+// (docs/decisions/2026-11-27-first-exposure.md).
+constexpr double kMostCaution = 0.1;
+
+double square(double x) { return x * x; }
+
+/// Velocity that makes the blur left in a reference, if it was exposed as long as the frame.
+Vector6 blurVelocity(const Reference& reference, const TrackedFrame& tracked) {
+  // An image whose exposure was not known was taken for sharp.
+  const bool known = tracked.frame->exposure && !reference.image_xi.isZero(0.0);
+  return known ? Vector6(reference.image_xi / *tracked.frame->exposure) : reference.motion.velocity;
+}
 
 /// The best alignment of a frame for an exposure.
 struct Trial {
@@ -144,12 +160,6 @@ Vertex vertexOf(const Trials& trials) {
 
 }  // namespace
 
-Vector6 blurVelocity(const Reference& reference, const TrackedFrame& tracked) {
-  // An image whose exposure was not known was taken for sharp.
-  const bool known = tracked.frame->exposure && !reference.image_xi.isZero(0.0);
-  return known ? Vector6(reference.image_xi / *tracked.frame->exposure) : reference.motion.velocity;
-}
-
 std::optional<ExposureSample> probeExposure(const Reference& reference, const TrackedFrame& tracked,
                                             const Vector6& velocity, const ExposureSample& expected, double longest,
                                             const TrackerConfig& config) {
@@ -171,6 +181,34 @@ std::optional<ExposureSample> probeExposure(const Reference& reference, const Tr
   const double information = probe.information(vertex.curvature) * sample.exposure * sample.exposure;
   sample.log_sigma = 1.0 / std::sqrt(information);
   if (!(sample.log_sigma < kLargestSigma)) return std::nullopt;
+  return sample;
+}
+
+double Passage::shown() const { return std::abs(1.0 - square(alike)); }
+
+Passage passageOf(const Reference& reference, const TrackedFrame& tracked, const Vector6& velocity, double interval) {
+  const auto pathOf = [&](const Vector6& v) {
+    return measureFrame(reference, {tracked.trajectory.T_reference_mid, v, interval}).blur_length_px;
+  };
+  const double path = pathOf(velocity);
+  const Vector6 of_reference = blurVelocity(reference, tracked);
+  const double alike =
+      (square(pathOf(velocity + of_reference)) - square(pathOf(velocity - of_reference))) / (4.0 * square(path));
+  return {velocity, interval, path, alike};
+}
+
+std::optional<ExposureSample> sampleExposure(const Reference& reference, const TrackedFrame& tracked,
+                                             const Passage& passage, double doubt_px, const ExposureSample& expected,
+                                             const std::optional<double>& told, const TrackerConfig& config) {
+  auto sample = probeExposure(reference, tracked, passage.velocity, expected, kLongest * passage.interval, config);
+  if (!sample) return std::nullopt;
+  // What is wrong in a short blur makes it seem long: an exposure that came is doubted by the blur it would make.
+  const double least = std::min(told.value_or(sample->exposure), sample->exposure);
+  const double blur = passage.path_px * least / passage.interval;  // [px]
+  const double shown = passage.shown();
+  sample->log_sigma = std::hypot(sample->log_sigma, doubt_px / passage.path_px / shown, kBlurSigma / blur / shown);
+  sample->exposure = std::min(sample->exposure, passage.interval);  // none is longer than until the next image
+  if (!told) sample->exposure *= std::exp(-std::min(sample->log_sigma, kMostCaution));
   return sample;
 }
 

@@ -3,11 +3,11 @@
 namespace mba_vo {
 namespace {
 
-Vector6 informationOf(double translation_sigma, double rotation_sigma) {
-  Vector6 information;
-  information.head<3>().setConstant(1.0 / (translation_sigma * translation_sigma));
-  information.tail<3>().setConstant(1.0 / (rotation_sigma * rotation_sigma));
-  return information;
+Vector6 informationOf(double translation_sigma, double rotation_sigma, const Vector6& doubt = Vector6::Zero()) {
+  Vector6 variance = doubt.cwiseAbs2();
+  variance.head<3>().array() += translation_sigma * translation_sigma;
+  variance.tail<3>().array() += rotation_sigma * rotation_sigma;
+  return variance.cwiseInverse();
 }
 
 }  // namespace
@@ -40,9 +40,10 @@ Vector6 MotionPrior::poseInformation(const MotionPriorConfig& config, double med
   return informationOf(half_dt2 * config.linear_acceleration * median_depth, half_dt2 * config.angular_acceleration);
 }
 
-Vector6 MotionPrior::xiInformation(const MotionPriorConfig& config, double median_depth, double exposure) const {
+Vector6 MotionPrior::xiInformation(const MotionPriorConfig& config, double median_depth, double exposure,
+                                   const Vector6& doubt) const {
   const double factor = 0.5 * dt * exposure;
-  return informationOf(factor * config.linear_acceleration * median_depth, factor * config.angular_acceleration);
+  return informationOf(factor * config.linear_acceleration * median_depth, factor * config.angular_acceleration, doubt);
 }
 
 }  // namespace mba_vo

@@ -6,10 +6,11 @@
 namespace mba_vo {
 namespace {
 
-/// True if the exposure is unknown, or the blur too short to measure a velocity by; a rolling shutter always tells.
+/// True if nobody told the exposure, or the blur is too short to measure a velocity by; a rolling shutter always tells.
 bool velocityUnobserved(const TrackedFrame& tracked) {
-  if (tracked.frame->pyramid.levels() > 0 && tracked.frame->pyramid.level(0).camera.row_time != 0.0) return false;
-  return !tracked.frame->exposure || *tracked.frame->exposure <= 0.0 || tracked.xi_prior_limited;
+  const Frame& frame = *tracked.frame;
+  if (frame.pyramid.levels() > 0 && frame.pyramid.level(0).camera.row_time != 0.0) return false;
+  return !frame.exposureWasTold() || *frame.exposure <= 0.0 || tracked.xi_prior_limited;
 }
 
 }  // namespace

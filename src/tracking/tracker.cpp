@@ -30,6 +30,8 @@ constexpr double kRelativeXiError = 0.006;    // of the blur: the motion of a lo
 constexpr double kLargestAcceleration = 3.0;  // standard deviations of the motion prior
 constexpr double kFollowResiduals = 0.0;      // in place of a Huber threshold: one that suits them
 constexpr double kShortestExposure = 1e-4;    // [s] a rolling shutter tells the velocity even if nothing is blurred
+constexpr double kLeastUntold = 0.4;          // of log exposure, if nobody told: it changes by that while no blur
+constexpr double kMostUntold = 0.8;           // tells; nothing is known (docs/decisions/2026-11-27-first-exposure.md)
 
 /// Coarse levels see less detail per patch, and 9x9 pixels there span too much depth.
 int patchSide(int level) { return level <= 1 ? 9 : 7; }
@@ -67,6 +69,11 @@ struct Tracker::Job {
   std::vector<std::vector<int>> points;  // to be aligned, by level
 
   double fx() const { return reference.pyramid->level(0).camera.fx; }
+  /// Of the logarithm of an exposure that nobody told, standard deviation; 0 of a rolling shutter: rows tell velocity.
+  double untold() const {
+    if (rolling || frame.exposureWasTold()) return 0.0;
+    return frame.exposure ? std::clamp(frame.exposure_log_sigma, kLeastUntold, kMostUntold) : kMostUntold;
+  }
   Vector6 seeded(const Vector6& xi) const { return rolling ? xi : seededXi(xi, fx()); }
   /// Rotation between two states, as the image sees it [px of the finest level].
   double turn(const AlignmentState& l, const AlignmentState& r) const {
@@ -91,7 +98,8 @@ std::optional<AlignmentPrior> Tracker::priorFor(const Job& job, const AlignmentS
   prior.pose_information = motion->poseInformation(config_.motion_prior, job.median_depth);
   if (exposure > 0.0) {
     prior.xi = motion->expectedXi(state.T_reference_mid, exposure);
-    prior.xi_information = motion->xiInformation(config_.motion_prior, job.median_depth, exposure);
+    const Vector6 doubt = job.untold() * prior.xi;
+    prior.xi_information = motion->xiInformation(config_.motion_prior, job.median_depth, exposure, doubt);
   }
   return prior;
 }
@@ -100,7 +108,8 @@ Vector6 Tracker::bendFor(const Job& job, const AlignmentState& state) const {
   const auto& motion = job.guess.motion;
   const double exposure = job.exposure;
   // Without the true exposure, the motion within it and that between the frames cannot be compared.
-  if (!motion || motion->dt == 0.0 || !job.frame.exposure || exposure <= 0.0) return Vector6::Zero();
+  const bool comparable = job.frame.exposure && exposure > 0.0 && job.untold() == 0.0;
+  if (!motion || motion->dt == 0.0 || !comparable) return Vector6::Zero();
   const double limit = kLargestAcceleration * exposure * exposure;
   const Vector6 bend = motion->bend(state.T_reference_mid, state.xi, exposure);
   Vector6 largest;

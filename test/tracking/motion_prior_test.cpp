@@ -99,13 +99,16 @@ TEST(MotionPrior, InformationIsTheInverseVarianceOfTheAccelerationsEffect) {
   prior.dt = kDt;
   const double depth = 2.5;
   const Vector6 pose = prior.poseInformation(config, depth);
-  const Vector6 xi = prior.xiInformation(config, depth, kExposure);
+  const Vector6 xi = prior.xiInformation(config, depth, kExposure, Vector6::Zero());
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(std::pow(pose(i), -0.5), 0.5 * kDt * kDt * 4.0 * depth, 1e-12);
     EXPECT_NEAR(std::pow(pose(3 + i), -0.5), 0.5 * kDt * kDt * 10.0, 1e-12);
     EXPECT_NEAR(std::pow(xi(i), -0.5), 0.5 * kDt * kExposure * 4.0 * depth, 1e-12);
     EXPECT_NEAR(std::pow(xi(3 + i), -0.5), 0.5 * kDt * kExposure * 10.0, 1e-12);
   }
+  const Vector6 doubt = Vector6::LinSpaced(0.01, 0.06);
+  const Vector6 doubtful = prior.xiInformation(config, depth, kExposure, doubt);
+  EXPECT_TRUE(doubtful.cwiseInverse().isApprox(xi.cwiseInverse() + doubt.cwiseAbs2(), 1e-12));
   prior.dt = 2.0 * kDt;  // less is known after a longer time
   EXPECT_LT(prior.poseInformation(config, depth)(0), pose(0));
 }
@@ -139,11 +142,12 @@ TEST(MotionState, TakesTheVelocityFromThePosesWhereTheBlurIsTooShort) {
   MotionState state({SE3(), v, kExposure}, 0);
   state.update(trackedAt(kInterval, {SE3::exp(kDt * v), nonsense, kExposure}, false));
   EXPECT_LT((state.last().velocity - v).norm(), 1e-9);
-  // The same for an exposure that is unknown or zero.
-  for (const auto exposure : {std::optional<double>(), std::optional<double>(0.0)}) {
+  // The same for an exposure that is unknown, zero, or an estimate.
+  for (const auto exposure : {std::optional<double>(), std::optional<double>(0.0), std::optional<double>(kExposure)}) {
     TrackedFrame tracked = trackedAt(2 * kInterval, {SE3::exp(2.0 * kDt * v), nonsense, kExposure}, true);
     auto frame = std::make_shared<Frame>(*tracked.frame);
     frame->exposure = exposure;
+    if (exposure == kExposure) frame->exposure_log_sigma = 0.1;
     tracked.frame = frame;
     MotionState next = state;
     next.update(tracked);

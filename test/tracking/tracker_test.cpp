@@ -115,6 +115,25 @@ TEST(Tracker, KnowsTheSignFromThePreviousFrame) {
   EXPECT_GE(blurred, 5);  // where the sign matters
 }
 
+TEST(Tracker, BelievesTheBlurRatherThanAnExposureThatNobodyTold) {
+  constexpr double kWrong = 2.0 * kExposure;
+  TrackerConfig config;
+  config.max_points = 40;  // that the prior counts
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    const Case c = makeCase(seed, 6.0);
+    MotionPrior prior;
+    prior.dt = 0.033;
+    prior.previous = {c.T_reference_mid * SE3::exp(-prior.dt * c.velocity), c.velocity, kExposure};
+    const auto errorWith = [&](double exposure_log_sigma) {
+      const FrameConstPtr frame = withExposure(c.frame, kWrong, exposure_log_sigma);
+      const TrackedFrame tracked = Tracker(config).track(*sharpReference(), frame, TrackingGuess(prior, kWrong));
+      return test::borderError(SE3::exp(tracked.trajectory.xi()), trueMotion(c)).mean;
+    };
+    EXPECT_LT(errorWith(0.1), 0.4) << "seed " << seed;
+    EXPECT_GT(errorWith(0.0), 0.8) << "seed " << seed << ", told";
+  }
+}
+
 // The camera stood still and turns all of a sudden.
 TEST(Tracker, FindsATurnThatNothingPredicted) {
   MotionPrior prior;

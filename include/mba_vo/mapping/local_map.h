@@ -119,7 +119,7 @@ class LocalMap {
     int calibration_steps = 0;  // taken
   };
 
-  void addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe, bool exposure_told);
+  void addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe);
   void reviseExposures(const ExposureHistory& exposures);
   static std::optional<double> exposureOf(const HostKeyframe& keyframe);
   std::shared_ptr<const ImagePyramid> imageAsKnownNow(const HostKeyframe& keyframe) const;

@@ -29,6 +29,8 @@ class ExposureEstimator {
   /// `given`: the exposure that came with the frame. Frames should come in the order of time; the others are left out.
   void add(const ReferenceConstPtr& reference, const std::shared_ptr<const TrackedFrame>& tracked,
            const std::optional<double>& given);
+  /// What a first map's frames say of exposures that did not come. Not for times before what is known.
+  void learn(std::int64_t mid_exposure_ns, const ExposureSample& sample);
   /// Goes on relative to another reference.
   void changeReference(const SE3& T_new_old);
   /// Goes on with other frames, of another map.

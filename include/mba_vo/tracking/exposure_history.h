@@ -22,6 +22,7 @@ class ExposureHistory {
 
   /// [s]; between two entries and, for as long as a rate is believed, beyond the first and the last.
   double exposureAt(double time) const;
+  double newestTime() const { return entries_.back().time; }  // [s]
 
  private:
   std::vector<Entry> entries_;

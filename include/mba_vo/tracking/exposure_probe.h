@@ -14,9 +14,6 @@ struct ExposureSample {
   double log_sigma = 0.0;  // standard deviation of its logarithm
 };
 
-/// Velocity that makes the blur left in a reference, if it was exposed as long as the frame.
-Vector6 blurVelocity(const Reference& reference, const TrackedFrame& tracked);
-
 /// Tries exposures, at most `longest` [s]: with which does the frame, seen while moving with `velocity`, agree best
 /// with the reference? Those around the `expected` one are tried, or, where little is known of it, all of them: where
 /// the blur is wrong altogether, one that is a bit less wrong may be no better. The velocity has to come from
@@ -25,5 +22,24 @@ Vector6 blurVelocity(const Reference& reference, const TrackedFrame& tracked);
 std::optional<ExposureSample> probeExposure(const Reference& reference, const TrackedFrame& tracked,
                                             const Vector6& velocity, const ExposureSample& expected, double longest,
                                             const TrackerConfig& config);
+
+/// How the camera passes a reference's points while a frame is taken, as the poses around it tell.
+struct Passage {
+  Vector6 velocity;  // of the frame, camera frame [m/s, rad/s]
+  double interval;   // between frames [s]
+  double path_px;    // of the points, in an interval
+  double alike;      // share of it that the reference's own blur goes along with; 1: what is blurred tells nothing
+
+  /// Share of a blur along the path that shows: the difference of the squares of both.
+  double shown() const;
+};
+
+Passage passageOf(const Reference& reference, const TrackedFrame& tracked, const Vector6& velocity, double interval);
+
+/// probeExposure, with an honest standard deviation, which the path's own, `doubt_px`, is part of. `told`: the exposure
+/// that came with the frame, if any [s].
+std::optional<ExposureSample> sampleExposure(const Reference& reference, const TrackedFrame& tracked,
+                                             const Passage& passage, double doubt_px, const ExposureSample& expected,
+                                             const std::optional<double>& told, const TrackerConfig& config);
 
 }  // namespace mba_vo

@@ -41,7 +41,9 @@ struct MotionPrior {
 
   /// Diagonal information of T_mid about the prediction, and of xi about expectedXi [1/rad^2, 1/m^2].
   Vector6 poseInformation(const MotionPriorConfig& config, double median_depth) const;
-  Vector6 xiInformation(const MotionPriorConfig& config, double median_depth, double exposure) const;
+  /// `doubt`: standard deviations of the latter besides, as of an exposure that nobody told [m, rad].
+  Vector6 xiInformation(const MotionPriorConfig& config, double median_depth, double exposure,
+                        const Vector6& doubt) const;
 };
 
 }  // namespace mba_vo

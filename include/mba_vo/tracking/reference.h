@@ -78,6 +78,7 @@ struct Reference {
   std::map<KeyframeId, SE3> T_map_keyframe;  // the window's poses at the same moment
   std::optional<TrackingHint> hint;          // where the cause says so
   std::optional<double> exposure;            // of its image [s]; nullopt = unknown
+  double exposure_log_sigma = 0.0;           // standard deviation of its logarithm; 0 = it came with the image
   std::string doubt;                         // why poses of this map are not to be relied on; empty if they are
   std::string closed_because;                // with kMapClosed
   bool metric = false;                       // the unit of length is the metre; else it is arbitrary
