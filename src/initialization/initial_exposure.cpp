@@ -42,11 +42,13 @@ Vector6 velocityBetween(const InitialMap::Pose& from, const InitialMap::Pose& to
   return (from.T_reference_frame.inverse() * to.T_reference_frame).log() / secondsBetween(from, to);
 }
 
-/// By the poses before and after.
+/// By the poses before and after, or, of the first and the last, as it goes on from the next two steps.
 Vector6 velocityAt(const std::vector<InitialMap::Pose>& poses, std::size_t i) {
-  if (i == 0) return velocityBetween(poses[0], poses[1]);
-  if (i + 1 == poses.size()) return velocityBetween(poses[i - 1], poses[i]);
-  return 0.5 * (velocityBetween(poses[i - 1], poses[i]) + velocityBetween(poses[i], poses[i + 1]));
+  const auto step = [&](std::size_t from) { return velocityBetween(poses[from], poses[from + 1]); };
+  const std::size_t last = poses.size() - 1;
+  if (i == 0) return 1.5 * step(0) - 0.5 * step(1);
+  if (i == last) return 1.5 * step(last - 1) - 0.5 * step(last - 2);
+  return 0.5 * (step(i - 1) + step(i));
 }
 
 Reference referenceOf(const InitialMap& initial, const Vector6& velocity) {

@@ -48,7 +48,7 @@ TEST(InitialExposure, IsToldByTheBlurOfFramesWithPoses) {
       const auto found = initialExposure(swing(reference, 1.0, exposure), {});
       ASSERT_TRUE(found) << "reference " << reference;
       // It is taken for as short as it may well be.
-      EXPECT_LT(found->exposure, 1.01 * exposure) << "reference " << reference;
+      EXPECT_LT(found->exposure, 1.02 * exposure) << "reference " << reference;
       EXPECT_GT(found->exposure, 0.84 * exposure) << "reference " << reference;
       EXPECT_LT(found->log_sigma, 0.15);
       EXPECT_GT(found->log_sigma, 0.049);
