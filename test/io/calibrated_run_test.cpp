@@ -1,7 +1,9 @@
 #include "mba_vo/io/calibrated_run.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -79,10 +81,18 @@ TEST(CalibratedRun, ExposuresThatDidNotComeAreLearntAndTheRunIsBegunAnewWithThem
 
 TEST(CalibratedRun, NoOneExposureIsLearntWhereTheyVary) {
   int announced = 0;
-  const OfflineResult result = run(varyingSequence(), std::nullopt, announced);
+  const test::RenderedSequence sequence = varyingSequence();
+  const OfflineResult result = run(sequence, std::nullopt, announced);
   EXPECT_TRUE(result.exposure.varies);
   EXPECT_FALSE(result.exposure_correction.missing);
   EXPECT_EQ(result.restarts, 0);
+  const std::vector<FrameRecord>& frames = result.log.frames();
+  const auto isPublished = [](const FrameRecord& frame) { return frame.online.has_value(); };
+  const auto first = std::find_if(frames.begin(), frames.end(), isPublished);
+  ASSERT_NE(first, frames.end());
+  ASSERT_TRUE(first->exposure) << "known with the first map";
+  const double truth = sequence.frames[static_cast<std::size_t>(first - frames.begin())].exposure;
+  EXPECT_NEAR(*first->exposure, truth, 0.2 * truth);
 }
 
 TEST(CalibratedRun, ExposuresThatAreWrongAreCorrectedFromTheBeginning) {
