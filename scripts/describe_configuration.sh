@@ -19,7 +19,7 @@ image.mask_file: the vehicle or a text covers a part of the image; without, it i
 image.white_level: 16-bit images whose highest value is none of those
 image.row_time: the shutter rolls, the first map is long in coming or bent; without, it is found after a while
 image.learnt_file: a camera is used again, and each start warns of the same corrections
-tracker.unknown_exposure: the exposure is unknown, and the first second is poor: the better this is, the better that
+tracker.unknown_exposure: the exposure is unknown, and the camera hardly moves before the map: else its first frames tell
 tracker.estimate_exposure: off, where exposures are right for sure and are called wrong all the same
 tracker.max_points: downwards, where tracking takes longer than a frame interval: latency grows, images are dropped
 tracker.degraded_pixel_error: upwards, where good poses are `DEGRADED` all the time, as with an approximate calibration

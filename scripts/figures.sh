@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Sourced by accuracy.sh, simulated.sh, distortion.sh and live.sh: runs mba_vo offline and prints one line of figures per
+# Sourced by accuracy.sh, simulated.sh, motions.sh, distortion.sh and live.sh: runs mba_vo offline and prints one line of figures per
 # run, those of what was published first. Uses $bin, the folder of the programs, and $output, the folder for trajectories
 # and plots.
 

@@ -49,6 +49,7 @@ NOT_MEASURED = """## What is not measured here
 | where the covariances are right | `scripts/covariance.py` |
 | starts at every tenth image | `scripts/starts.py` |
 | losing and finding again, spoilt recordings | `scripts/faults.py` |
+| ten recorded motions, each in two rooms | `scripts/motions.sh` |
 | cameras of which nothing is told, one fault at a time | `scripts/webcam.sh` |
 | dark, noisy, deep and over-exposed images | `scripts/sensors.sh` |
 | lens distortion | `scripts/distortion.sh` |

@@ -11,12 +11,9 @@ namespace mba_vo {
 namespace {
 
 // docs/decisions/2026-11-27-first-exposure.md
-constexpr std::size_t kMostSamples = 5;   // each takes about as long as tracking a frame
-constexpr double kGuessSigma = 0.8;       // of the logarithm of the assumed exposure
-constexpr double kLongestInterval = 0.1;  // [s] between frames
-constexpr double kLeastMotion = 3.0;      // [px] from frame to frame
-constexpr double kLeastShown = 0.1;       // of a frame's blur
-constexpr double kCommonSigma = 0.05;     // of the logarithm: blur and motion are never known better
+constexpr std::size_t kMostSamples = 5;  // each takes about as long as tracking a frame
+constexpr double kLeastShown = 0.1;      // of a frame's blur
+constexpr double kCommonSigma = 0.05;    // of the logarithm: blur and motion are never known better
 
 struct Candidate {
   TrackedFrame tracked;
@@ -66,12 +63,12 @@ std::vector<Candidate> candidates(const std::vector<InitialMap::Pose>& poses, co
   for (std::size_t i = 1; i + 1 < poses.size(); ++i) {
     const double interval = 0.5 * secondsBetween(poses[i - 1], poses[i + 1]);
     const bool own = &poses[i].frame->pyramid == reference.pyramid.get();
-    if (own || interval > kLongestInterval) continue;
+    if (own) continue;
     Candidate candidate;
     candidate.tracked.frame = withExposure(poses[i].frame, std::nullopt, 0.0);
     candidate.tracked.trajectory.T_reference_mid = poses[i].T_reference_frame;
     candidate.passage = passageOf(reference, candidate.tracked, velocityAt(poses, i), interval);
-    if (candidate.passage.path_px < kLeastMotion || candidate.passage.shown() < kLeastShown) continue;
+    if (!candidate.passage.tells() || candidate.passage.shown() < kLeastShown) continue;
     result.push_back(std::move(candidate));
   }
   std::sort(result.begin(), result.end(),
@@ -102,7 +99,7 @@ std::optional<ExposureSample> initialExposure(const InitialMap& initial, const T
   const auto own = std::find_if(poses.begin(), poses.end(), isOwn) - poses.begin();
   const Reference reference = referenceOf(initial, velocityAt(poses, static_cast<std::size_t>(own)));
   std::vector<ExposureSample> samples;
-  ExposureSample expected{config.unknown_exposure, kGuessSigma};
+  ExposureSample expected{config.unknown_exposure, kAssumedExposureSigma};
   for (const Candidate& candidate : candidates(poses, reference)) {
     const auto sample =
         sampleExposure(reference, candidate.tracked, candidate.passage, 0.0, expected, std::nullopt, config);

@@ -9,16 +9,13 @@
 namespace mba_vo {
 namespace {
 
-constexpr std::size_t kNeighbours = 5;    // the frame itself is the middle one
-constexpr double kLongestInterval = 0.1;  // [s] between frames
-constexpr double kLeastMotion = 3.0;      // [px] from frame to frame
-constexpr double kSmooth = 0.3;           // of the motion, most that the frames farther away may change of it
+constexpr std::size_t kNeighbours = 5;  // the frame itself is the middle one
+constexpr double kSmooth = 0.3;         // of the motion, most that the frames farther away may change of it
 constexpr std::size_t kRememberedSamples = 60;
 constexpr std::size_t kLeastSamples = 8;
 constexpr int kRareProbes = 3;            // every so many frames, once there are enough samples
 constexpr int kSeldomProbes = 10;         // the same, once they agree: a probe costs as much as tracking a frame
 constexpr int kVaryingProbes = 2;         // the same, of exposures that change
-constexpr double kGuessSigma = 0.8;       // of log ratio, of the assumed exposure
 constexpr double kAgreement = 0.2;        // of log ratio, between the last sample and a well-known ratio
 constexpr double kWellKnownSigma = 0.05;  // of log ratio
 // Blur of the reference, as a share of the frame's along it, that is too much: 0.6 leaves too few samples, 1 and more
@@ -51,7 +48,8 @@ Vector6 derivativeAtZero(const std::vector<double>& times, const std::vector<Vec
 
 }  // namespace
 
-ExposureEstimator::ExposureEstimator(const TrackerConfig& config) : config_(config), unknown_(0.0, kGuessSigma) {}
+ExposureEstimator::ExposureEstimator(const TrackerConfig& config)
+    : config_(config), unknown_(0.0, kAssumedExposureSigma) {}
 
 ExposureEstimate ExposureEstimator::estimate(bool given, std::int64_t mid_exposure_ns) const {
   if (given) return ratio_.estimate;
@@ -74,7 +72,7 @@ void ExposureEstimator::changeReference(const SE3& T_new_old) {
 void ExposureEstimator::reset() {
   seen_.clear();
   ratio_ = {};
-  unknown_ = ExposureFilter(0.0, kGuessSigma);
+  unknown_ = ExposureFilter(0.0, kAssumedExposureSigma);
   history_.reset();
   newest_probed_ns_ = 0;
   left_out_ = 0;
@@ -131,14 +129,13 @@ std::optional<ExposureSample> ExposureEstimator::probeMiddle(const Reference& re
     motions.push_back((middle.T_reference_mid.inverse() * seen.T_reference_mid).log());
   }
   const double interval = 0.25 * (times.back() - times.front());
-  if (interval > kLongestInterval) return std::nullopt;
   const Vector6 velocity = derivativeAtZero(times, motions);
   const Vector6 rough = derivativeAtZero({times[1], 0.0, times[3]}, {motions[1], motions[2], motions[3]});
   TrackedFrame tracked = *middle.tracked;
   tracked.trajectory.T_reference_mid = middle.T_reference_mid;
   const Passage passage = passageOf(reference, tracked, velocity, interval);
   const double doubt_px = passageOf(reference, tracked, velocity - rough, interval).path_px;
-  if (passage.path_px < kLeastMotion || doubt_px > kSmooth * passage.path_px) return std::nullopt;
+  if (!passage.tells() || doubt_px > kSmooth * passage.path_px) return std::nullopt;
   if (std::abs(passage.alike) > kLikeReference) return std::nullopt;
   left_out_ = 0;
   const ExposureEstimate expected = estimate(middle.known, middle.tracked->frame->mid_exposure_ns);

@@ -27,10 +27,12 @@ constexpr double kReferenceShare = 0.5;  // of the variance of the residuals
 constexpr double kLargestSigma = 0.7;    // of log exposure; a sample that tells less is none
 constexpr double kLongest = 1.5;         // exposure that is tried, in intervals; their noise is not to be cut off
 constexpr double kBlurSigma = 0.3;       // [px] what path and patches have wrong
-// Images taken for blurred too widely spoil a map, by 7 % as much as by 50 %; too narrowly by 7 %, not at all. So what
-// nobody told is taken for as short as it may well be, down to this much of its logarithm, the least that helps
-// (docs/decisions/2026-11-27-first-exposure.md).
+// Images taken for blurred too widely by 7 % spoil a map, too narrowly they do not. So what nobody told is taken for as
+// short as it may well be: a standard deviation less, at most this much of its logarithm, twice of what estimates are
+// too long (docs/decisions/2026-11-27-first-exposure.md).
 constexpr double kMostCaution = 0.1;
+constexpr double kLongestInterval = 0.1;  // [s] between frames, over which a velocity is known
+constexpr double kLeastMotion = 3.0;      // [px] from frame to frame
 
 double square(double x) { return x * x; }
 
@@ -183,6 +185,8 @@ std::optional<ExposureSample> probeExposure(const Reference& reference, const Tr
   if (!(sample.log_sigma < kLargestSigma)) return std::nullopt;
   return sample;
 }
+
+bool Passage::tells() const { return interval <= kLongestInterval && path_px >= kLeastMotion; }
 
 double Passage::shown() const { return std::abs(1.0 - square(alike)); }
 

@@ -30,8 +30,8 @@ constexpr double kRelativeXiError = 0.006;    // of the blur: the motion of a lo
 constexpr double kLargestAcceleration = 3.0;  // standard deviations of the motion prior
 constexpr double kFollowResiduals = 0.0;      // in place of a Huber threshold: one that suits them
 constexpr double kShortestExposure = 1e-4;    // [s] a rolling shutter tells the velocity even if nothing is blurred
-constexpr double kLeastUntold = 0.4;          // of log exposure, if nobody told: it changes by that while no blur
-constexpr double kMostUntold = 0.8;           // tells; nothing is known (docs/decisions/2026-11-27-first-exposure.md)
+// Of log exposure that nobody told: it changes by so much unseen (docs/decisions/2026-11-27-first-exposure.md).
+constexpr double kLeastUntold = 0.4;
 
 /// Coarse levels see less detail per patch, and 9x9 pixels there span too much depth.
 int patchSide(int level) { return level <= 1 ? 9 : 7; }
@@ -72,7 +72,8 @@ struct Tracker::Job {
   /// Of the logarithm of an exposure that nobody told, standard deviation; 0 of a rolling shutter: rows tell velocity.
   double untold() const {
     if (rolling || frame.exposureWasTold()) return 0.0;
-    return frame.exposure ? std::clamp(frame.exposure_log_sigma, kLeastUntold, kMostUntold) : kMostUntold;
+    if (!frame.exposure) return kAssumedExposureSigma;
+    return std::clamp(frame.exposure_log_sigma, kLeastUntold, kAssumedExposureSigma);
   }
   Vector6 seeded(const Vector6& xi) const { return rolling ? xi : seededXi(xi, fx()); }
   /// Rotation between two states, as the image sees it [px of the finest level].

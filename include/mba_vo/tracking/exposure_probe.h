@@ -30,6 +30,8 @@ struct Passage {
   double path_px;    // of the points, in an interval
   double alike;      // share of it that the reference's own blur goes along with; 1: what is blurred tells nothing
 
+  /// True if frames are near enough to each other, and what they show moves by enough.
+  bool tells() const;
   /// Share of a blur along the path that shows: the difference of the squares of both.
   double shown() const;
 };
@@ -37,7 +39,7 @@ struct Passage {
 Passage passageOf(const Reference& reference, const TrackedFrame& tracked, const Vector6& velocity, double interval);
 
 /// probeExposure, with an honest standard deviation, which the path's own, `doubt_px`, is part of. `told`: the exposure
-/// that came with the frame, if any [s].
+/// that came with the frame, if any [s]; where none did, the sample is as short as it may well be: too long does harm.
 std::optional<ExposureSample> sampleExposure(const Reference& reference, const TrackedFrame& tracked,
                                              const Passage& passage, double doubt_px, const ExposureSample& expected,
                                              const std::optional<double>& told, const TrackerConfig& config);

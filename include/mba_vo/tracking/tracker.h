@@ -10,6 +10,9 @@
 
 namespace mba_vo {
 
+/// Standard deviation of the logarithm of `TrackerConfig::unknown_exposure`, which is only assumed.
+inline constexpr double kAssumedExposureSigma = 0.8;
+
 /// Options of the blur-aware tracker. `describe` names every option once, for YAML, ROS parameters and documentation.
 struct TrackerConfig {
   int pyramid_levels = 5;
