@@ -77,6 +77,7 @@ Matrix26 carriedJacobian(const RigidMotion& carrier, const PlaneHit& hit) {
 
 /// A row that is exposed `row` exposures later sees u + row where the middle row sees u: (u + row) (J[0] + u J[1]).
 void shiftXi(double row, PatchPath& path) {
+  path.row = row;
   path.J_xi_row = row * path.J_xi[0];
   path.J_xi[0] += row * path.J_xi[1];
 }

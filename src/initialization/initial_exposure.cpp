@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "mba_vo/initialization/reference_motion.h"
+
 namespace mba_vo {
 namespace {
 
@@ -46,15 +48,6 @@ Vector6 velocityAt(const std::vector<InitialMap::Pose>& poses, std::size_t i) {
   if (i == 0) return 1.5 * step(0) - 0.5 * step(1);
   if (i == last) return 1.5 * step(last - 1) - 0.5 * step(last - 2);
   return 0.5 * (step(i - 1) + step(i));
-}
-
-Reference referenceOf(const InitialMap& initial, const Vector6& velocity) {
-  Reference reference;
-  reference.pyramid = std::shared_ptr<const ImagePyramid>(initial.reference, &initial.reference->pyramid);
-  reference.points = initial.points;
-  reference.image_correction = reference.correction = initial.reference->correction;
-  reference.motion.velocity = velocity;
-  return reference;
 }
 
 /// The frames that tell, the clearest first.
@@ -97,7 +90,7 @@ std::optional<ExposureSample> initialExposure(const InitialMap& initial, const T
   if (poses.size() < 3) return std::nullopt;
   const auto isOwn = [&](const InitialMap::Pose& pose) { return pose.frame == initial.reference; };
   const auto own = std::find_if(poses.begin(), poses.end(), isOwn) - poses.begin();
-  const Reference reference = referenceOf(initial, velocityAt(poses, static_cast<std::size_t>(own)));
+  const Reference reference = initialReference(initial, {velocityAt(poses, static_cast<std::size_t>(own))});
   std::vector<ExposureSample> samples;
   ExposureSample expected{config.unknown_exposure, kAssumedExposureSigma};
   for (const Candidate& candidate : candidates(poses, reference)) {

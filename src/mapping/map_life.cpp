@@ -2,6 +2,7 @@
 
 #include "mapper_impl.h"
 #include "mba_vo/initialization/initial_exposure.h"
+#include "mba_vo/initialization/reference_motion.h"
 #include "mba_vo/mapping/initial_frames.h"
 #include "mba_vo/mapping/initial_vignette.h"
 
@@ -35,11 +36,11 @@ MapperOutput Mapper::Impl::initialize(const FrameConstPtr& frame) {
   output.residuals = initializer_.residuals();
   output.message = initializer_.reason();
   if (!initial) return output;
-  const BodyMotion motion = referenceMotion(*initial);
   calibration_before_map_ = *calibration_;
   initial_frames_ = initializer_.bufferedFrames();
   if (initial->row_time != 0.0) adoptRowTime(*initial);
   if (config_.tracker.estimate_exposure && !initial->reference->exposureWasTold()) adoptExposure(*initial);
+  const BodyMotion motion = referenceMotion(*initial, config_.tracker);
   if (config_.refine_calibration) calibration_->add(linearizeInitialVignette(*initial, calibration_->correction()));
   LocalMap::Place place;
   place.keyframe = next_keyframe_id_;

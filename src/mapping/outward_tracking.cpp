@@ -22,21 +22,6 @@ void degrade(TrackedFrame& tracked, const char* reason) {
 
 }  // namespace
 
-BodyMotion referenceMotion(const InitialMap& initial) {
-  const std::int64_t origin_ns = initial.reference->mid_exposure_ns;
-  const InitialMap::Pose* before = nullptr;
-  const InitialMap::Pose* after = nullptr;
-  for (const InitialMap::Pose& pose : initial.poses) {  // by time
-    if (pose.frame->mid_exposure_ns < origin_ns) before = &pose;
-    if (pose.frame->mid_exposure_ns > origin_ns && !after) after = &pose;
-  }
-  FiniteDifferenceVelocity motion;
-  if (before) motion.add(before->frame->mid_exposure_ns, before->T_reference_frame, std::nullopt);
-  motion.add(origin_ns, SE3(), std::nullopt);
-  if (after) motion.add(after->frame->mid_exposure_ns, after->T_reference_frame, std::nullopt);
-  return motion.motionOfMiddle();
-}
-
 TrackingHint newestOf(const InitialMap& initial, const ExposureTrajectory& start) {
   const FrameConstPtr& reference = initial.reference;
   // A map of measured depths begins with the first images.
@@ -53,7 +38,7 @@ TrackingHint newestOf(const InitialMap& initial, const ExposureTrajectory& start
   motion.add(newest.frame->mid_exposure_ns, newest.T_reference_frame, std::nullopt);
   return {newest.frame->sequence,
           newest.frame->mid_exposure_ns,
-          {newest.T_reference_frame, motion.velocityOfLast(), newest.frame->exposure.value_or(start.exposure)}};
+          {newest.T_reference_frame, motion.motionOfLast().velocity, newest.frame->exposure.value_or(start.exposure)}};
 }
 
 TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameConstPtr& frame,

@@ -128,8 +128,10 @@ bool AlignmentProblem::refresh(const AlignmentState& state) {
 }
 
 AlignmentState AlignmentProblem::plus(const AlignmentState& state, const Step& step) {
-  return {state.T_reference_mid * SE3::exp(step.head<6>()), state.xi + step.segment<6>(6), state.a + step(12),
-          state.b + step(13), state.bend};
+  AlignmentState next{state.T_reference_mid * SE3::exp(step.head<6>()), state.xi + step.segment<6>(6),
+                      state.a + step(12), state.b + step(13), state.bend};
+  next.bend.tail<3>() += step.tail<3>();
+  return next;
 }
 
 double AlignmentProblem::stepSize(const Step& step) const {
@@ -139,7 +141,9 @@ double AlignmentProblem::stepSize(const Step& step) const {
   };
   // Half of xi is where the exposure ends, or, with a rolling shutter, more where the last row is.
   const double last_row = rolling_ ? std::abs(frame_level_.camera.rowDelay(0.0)) / options_.exposure : 0.0;
-  return std::max(motion(0), (0.5 + last_row) * motion(6));
+  const double end = 0.5 + last_row;
+  const double bend = frame_level_.camera.fx * step.tail<3>().norm();
+  return std::max({motion(0), end * motion(6), 0.5 * end * end * bend});
 }
 
 /// With a global shutter no times matter: the exposure is the unit.
@@ -212,7 +216,7 @@ void AlignmentProblem::addPriors(const AlignmentState& state, Equations& equatio
   const Eigen::Vector2d brightness_information(1.0 / (kBrightnessGainSigma * kBrightnessGainSigma),
                                                1.0 / (kBrightnessOffsetSigma * kBrightnessOffsetSigma));
   equations.addPrior<2>(12, Eigen::Vector2d(state.a, state.b), scale * brightness_information);
-  equations.prior_scatter.tail<2>() = scale * scale * brightness_information;
+  equations.prior_scatter.segment<2>(12) = scale * scale * brightness_information;
   if (!prior_) return;
   // Small residuals, as blurred images leave them, speak louder against the predicted pose. Not against the expected
   // xi: what weak blur says about it is wrong by more than its noise.
@@ -222,9 +226,11 @@ void AlignmentProblem::addPriors(const AlignmentState& state, Equations& equatio
   const Vector6 deviation = (prior_->T_reference_mid.inverse() * state.T_reference_mid).log();
   equations.addPrior<6>(0, deviation, pose_scale * prior_->pose_information);
   equations.addPrior<6>(6, state.xi - prior_->xi, scale * prior_->xi_information);
+  equations.addPrior<3>(14, state.bend.tail<3>() - prior_->turn_bend, scale * prior_->turn_bend_information);
   // The gradient of a prior scatters by its weight times the deviation that it expects.
   equations.prior_scatter.head<6>() = pose_scale * pose_scale * prior_->pose_information;
   equations.prior_scatter.segment<6>(6) = scale * scale * prior_->xi_information;
+  equations.prior_scatter.tail<3>() = scale * scale * prior_->turn_bend_information;
 }
 
 Eigen::Matrix<double, AlignmentProblem::kStates, AlignmentProblem::kStates> AlignmentProblem::Equations::covariance()
@@ -248,6 +254,7 @@ AlignmentProblem::Equations AlignmentProblem::linearize(const AlignmentState& st
   equations.patch_gradients = model.takePatchGradients();
   addPriors(state, equations);
   if (!options_.estimate_xi) equations.fix(6, 6);
+  if (!options_.estimate_turn_bend) equations.fix(14, 3);
   if (options_.rotation_only) {
     equations.fix(0, 3);
     equations.fix(6, 3);

@@ -10,6 +10,9 @@ constexpr int kPose = 0;  // first column of each group of states
 constexpr int kXi = 6;
 constexpr int kGain = 12;
 constexpr int kOffset = 13;
+constexpr int kBend = 14;
+constexpr int kBendStates = 3;
+constexpr int kColumnsWithoutBend = 16;
 
 /// Residual = B - (e^a Bhat + b): minus its derivative is the moments of the pixel times these. J_pose belongs to the
 /// moments gx..ugy, J_xi to ugx..uugy (J_xi_row to gx, gy), all times the gain; the gain itself for a, one for b.
@@ -17,11 +20,21 @@ struct MomentJacobian {
   alignas(64) double rows[kMoments][kColumns] = {};
 };
 
-MomentJacobian jacobianOf(const PatchPath& path, double gain, bool moving) {
+/// What turns by xi at u + row does by (u + row)^2 / 2 with the bend, to the second order in u.
+template <typename Put>
+void putBend(const PatchPath& path, const Put& put) {
+  const auto turn = [](const Matrix26& J) { return J.rightCols<kBendStates>(); };
+  const double row = path.row;
+  put(0, kBend, (0.5 * row * turn(path.J_xi_row)).eval());
+  put(2, kBend, (row * turn(path.J_xi[0]) - 0.5 * row * row * turn(path.J_xi[1])).eval());
+  put(4, kBend, (0.5 * (turn(path.J_xi[0]) + row * turn(path.J_xi[1]))).eval());
+}
+
+MomentJacobian jacobianOf(const PatchPath& path, double gain, bool moving, bool rolling) {
   MomentJacobian J;
-  const auto put = [&](int row, int column, const Matrix26& block) {
+  const auto put = [&](int row, int column, const auto& block) {
     for (int axis = 0; axis < 2; ++axis) {
-      for (int i = 0; i < 6; ++i) J.rows[row + axis][column + i] = gain * block(axis, i);
+      for (int i = 0; i < block.cols(); ++i) J.rows[row + axis][column + i] = gain * block(axis, i);
     }
   };
   put(0, kPose, path.J_pose[0]);
@@ -31,6 +44,7 @@ MomentJacobian jacobianOf(const PatchPath& path, double gain, bool moving) {
     put(4, kXi, path.J_xi[1]);
     put(0, kXi, path.J_xi_row);  // zero with a global shutter
   }
+  if (rolling) putBend(path, put);
   J.rows[6][kGain] = gain;
   J.rows[7][kOffset] = 1.0;
   return J;
@@ -42,13 +56,14 @@ template <bool Moving, bool Rolling>
 [[gnu::always_inline]] inline void addProducts(const double* __restrict moments, const double* __restrict residuals,
                                                const MomentJacobian& J, double* __restrict gradient,
                                                QuadraticModel::Arrays& __restrict out) {
+  constexpr int kWidth = Rolling ? kColumns : kColumnsWithoutBend;
   constexpr int kRows = Moving ? kMoments : 4;  // without motion, the moments in u are zero
   const auto moment = [](int row) { return Moving || row < 2 ? row : row + 4; };
   alignas(64) double MJ[kMoments][kColumns];
   for (int i = 0; i < kRows; ++i) {
     const double* __restrict m = moments + moment(i) * kMoments;
 #pragma GCC unroll 1
-    for (int k = 0; k < kColumns; ++k) {
+    for (int k = 0; k < kWidth; ++k) {
       double sum = 0.0;
 #pragma GCC unroll 8
       for (int j = 0; j < kRows; ++j) sum += m[moment(j)] * J.rows[moment(j)][k];
@@ -56,28 +71,31 @@ template <bool Moving, bool Rolling>
     }
   }
 #pragma GCC unroll 1
-  for (int k = 0; k < kColumns; ++k) {
+  for (int k = 0; k < kWidth; ++k) {
     double sum = 0.0;
 #pragma GCC unroll 8
     for (int j = 0; j < kRows; ++j) sum += residuals[moment(j)] * J.rows[moment(j)][k];
     gradient[k] = -sum;
   }
 #pragma GCC unroll 1
-  for (int k = 0; k < kColumns; ++k) out.gradient[k] += gradient[k];
+  for (int k = 0; k < kWidth; ++k) out.gradient[k] += gradient[k];
   // Only the rows of J where a group of states is not zero.
   constexpr int kDepth = Rolling ? 6 : (Moving ? 4 : 2);
-  for (int state = 0; state < (Moving ? kGain : kXi); ++state) {
-    const int first = state < kXi || Rolling ? 0 : 2;
+  const auto addRow = [&](int state, int first) {
 #pragma GCC unroll 1
-    for (int k = 0; k < kColumns; ++k) {
+    for (int k = 0; k < kWidth; ++k) {
       double sum = 0.0;
 #pragma GCC unroll 6
       for (int j = 0; j < kDepth; ++j) sum += J.rows[first + j][state] * MJ[first + j][k];
       out.hessian[state][k] += sum;
     }
+  };
+  for (int state = 0; state < (Moving ? kGain : kXi); ++state) {
+    addRow(state, state < kXi || Rolling ? 0 : 2);
   }
+  for (int state = kBend; Rolling && state < kBend + kBendStates; ++state) addRow(state, 0);
 #pragma GCC unroll 1
-  for (int k = 0; k < kColumns; ++k) {
+  for (int k = 0; k < kWidth; ++k) {
     out.hessian[kGain][k] += J.rows[6][kGain] * MJ[6][k];
     out.hessian[kOffset][k] += MJ[7][k];
   }
@@ -108,7 +126,7 @@ QuadraticModel::PatchGradient& QuadraticModel::placeForGradient() {
 }
 
 void QuadraticModel::add(const PatchSums& sums, const PatchPath& path, double gain, bool moving, bool rolling) {
-  const MomentJacobian J = jacobianOf(path, gain, moving);
+  const MomentJacobian J = jacobianOf(path, gain, moving, rolling);
   double* gradient = placeForGradient().data();
   (!moving   ? addStill
    : rolling ? addRolling

@@ -7,7 +7,7 @@
 #include "mba_vo/solver/levenberg_marquardt.h"
 #include "mba_vo/tracking/expected_error.h"
 #include "mba_vo/tracking/frame_measures.h"
-#include "mba_vo/tracking/point_subset.h"
+#include "tracker_job.h"
 
 namespace mba_vo {
 namespace {
@@ -22,66 +22,13 @@ constexpr int kComparedLevels = 2;            // the coarsest: on them starts ar
 constexpr int kTurnIterations = 30;           // on the search for a turn
 constexpr std::size_t kFinerStarts = 3;       // compared again on the next level
 constexpr double kSameBasin = 0.25;           // [px of the coarsest level] results nearer than this are one
-constexpr double kLeastBlurToSeed = 0.5;      // [px] shorter motion gives no direction to descend along
 constexpr double kObservableBlur = 3.0;       // [px] below it the covariance of xi means nothing
 constexpr double kCommonPoseError = 0.015;    // [px] std. deviation of what all patches have wrong alike, as
 constexpr double kCommonXiError = 0.1;        // interpolation does; found with bench/tracking_study
 constexpr double kRelativeXiError = 0.006;    // of the blur: the motion of a long path is not quite what is modelled
-constexpr double kLargestAcceleration = 3.0;  // standard deviations of the motion prior
 constexpr double kFollowResiduals = 0.0;      // in place of a Huber threshold: one that suits them
-constexpr double kShortestExposure = 1e-4;    // [s] a rolling shutter tells the velocity even if nothing is blurred
-// Of log exposure that nobody told: it changes by so much unseen (docs/decisions/2026-11-27-first-exposure.md).
-constexpr double kLeastUntold = 0.4;
-
-/// Coarse levels see less detail per patch, and 9x9 pixels there span too much depth.
-int patchSide(int level) { return level <= 1 ? 9 : 7; }
-
-/// A direction to descend along where none is known: at xi = 0 the derivative of the blur vanishes.
-Vector6 seededXi(const Vector6& xi, double fx) {
-  if (fx * xi.tail<3>().norm() >= kLeastBlurToSeed) return xi;
-  Vector6 seed = xi;
-  seed(4) += kLeastBlurToSeed / fx;
-  return seed;
-}
 
 }  // namespace
-
-/// What stays the same during one call of track().
-struct Tracker::Job {
-  Job(const Reference& r, const Frame& f, const TrackingGuess& g, int levels, int max_points)
-      : reference(r),
-        frame(f),
-        guess(g),
-        rolling(f.pyramid.level(0).camera.row_time != 0.0),
-        exposure(rolling ? std::max(g.trajectory.exposure, kShortestExposure) : g.trajectory.exposure),
-        median_depth(medianDepth(r)) {
-    for (int level = 0; level < levels; ++level) {
-      points.push_back(selectEvenSubset(r, level, patchSide(level), max_points));
-    }
-  }
-
-  const Reference& reference;
-  const Frame& frame;
-  const TrackingGuess& guess;
-  bool rolling;                          // shutter
-  double exposure;                       // that xi belongs to [s]
-  double median_depth;                   // [m]
-  std::vector<std::vector<int>> points;  // to be aligned, by level
-
-  double fx() const { return reference.pyramid->level(0).camera.fx; }
-  /// Of the logarithm of an exposure that nobody told, standard deviation; 0 of a rolling shutter: rows tell velocity.
-  double untold() const {
-    if (rolling || frame.exposureWasTold()) return 0.0;
-    if (!frame.exposure) return kAssumedExposureSigma;
-    return std::clamp(frame.exposure_log_sigma, kLeastUntold, kAssumedExposureSigma);
-  }
-  Vector6 seeded(const Vector6& xi) const { return rolling ? xi : seededXi(xi, fx()); }
-  /// Rotation between two states, as the image sees it [px of the finest level].
-  double turn(const AlignmentState& l, const AlignmentState& r) const {
-    const SE3 between = l.T_reference_mid.inverse() * r.T_reference_mid;
-    return fx() * between.log().tail<3>().norm();
-  }
-};
 
 struct Tracker::LevelResult {
   LevenbergMarquardtSummary<AlignmentState, AlignmentProblem::Equations> minimum;
@@ -90,39 +37,10 @@ struct Tracker::LevelResult {
   double meanCost() const { return patches > 0 ? minimum.equations.cost / patches : 1e30; }
 };
 
-std::optional<AlignmentPrior> Tracker::priorFor(const Job& job, const AlignmentState& state) const {
-  const auto& motion = job.guess.motion;
-  if (!motion || motion->dt == 0.0) return std::nullopt;
-  const double exposure = job.exposure;
-  AlignmentPrior prior;
-  prior.T_reference_mid = motion->predict(exposure).T_reference_mid;
-  prior.pose_information = motion->poseInformation(config_.motion_prior, job.median_depth);
-  if (exposure > 0.0) {
-    prior.xi = motion->expectedXi(state.T_reference_mid, exposure);
-    const Vector6 doubt = job.untold() * prior.xi;
-    prior.xi_information = motion->xiInformation(config_.motion_prior, job.median_depth, exposure, doubt);
-  }
-  return prior;
-}
-
-Vector6 Tracker::bendFor(const Job& job, const AlignmentState& state) const {
-  const auto& motion = job.guess.motion;
-  const double exposure = job.exposure;
-  // Without the true exposure, the motion within it and that between the frames cannot be compared.
-  const bool comparable = job.frame.exposure && exposure > 0.0 && job.untold() == 0.0;
-  if (!motion || motion->dt == 0.0 || !comparable) return Vector6::Zero();
-  const double limit = kLargestAcceleration * exposure * exposure;
-  const Vector6 bend = motion->bend(state.T_reference_mid, state.xi, exposure);
-  Vector6 largest;
-  largest.head<3>().setConstant(limit * config_.motion_prior.linear_acceleration * job.median_depth);
-  largest.tail<3>().setConstant(limit * config_.motion_prior.angular_acceleration);
-  return bend.cwiseMax(-largest).cwiseMin(largest);
-}
-
 /// `huber_threshold`: or kFollowResiduals.
 Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentState& initial, int max_iterations,
                                     double huber_threshold, Freedom freedom) const {
-  const PatchPattern pattern = PatchPattern::square(patchSide(level));
+  const PatchPattern pattern = PatchPattern::square(Job::patchSide(level));
   AlignmentOptions options;
   options.huber_threshold = config_.huber_threshold;
   options.sample_spacing_px = config_.sample_spacing_px;
@@ -131,8 +49,11 @@ Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentSt
   options.exposure = job.exposure;
   options.rotation_only = job.reference.at_infinity || freedom == Freedom::kRotation;
   options.with_covariance = level == 0;
+  const std::optional<AlignmentPrior> prior =
+      freedom == Freedom::kRotation ? std::nullopt : priorFor(job, initial);
+  options.estimate_turn_bend = job.rolling && prior;
   AlignmentProblem problem(job.reference, job.points[static_cast<std::size_t>(level)], job.frame, level, pattern,
-                           options, freedom == Freedom::kRotation ? std::nullopt : priorFor(job, initial), initial);
+                           options, prior, initial);
   if (huber_threshold > 0.0) {
     problem.setHuberThreshold(huber_threshold);
   } else {

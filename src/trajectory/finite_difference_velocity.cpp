@@ -11,16 +11,19 @@ constexpr double kLongestGap = 0.15;  // [s] the velocity is not constant over l
 
 }  // namespace
 
-std::optional<Vector6> measuredVelocity(const TrackedFrame& frame) {
-  const bool rolling = frame.frame->pyramid.level(0).camera.row_time != 0.0;
-  if (!rolling && frame.frame->exposure.value_or(0.0) <= 0.0) return std::nullopt;
-  return frame.trajectory.velocity;
+std::optional<MeasuredMotion> measuredMotion(const TrackedFrame& frame) {
+  const ExposureTrajectory& found = frame.trajectory;
+  if (frame.frame->pyramid.level(0).camera.row_time != 0.0) {
+    return MeasuredMotion{found.velocity, Eigen::Vector3d(found.acceleration.tail<3>())};
+  }
+  if (frame.frame->exposure.value_or(0.0) <= 0.0) return std::nullopt;
+  return MeasuredMotion{found.velocity, std::nullopt};
 }
 
 void FiniteDifferenceVelocity::add(std::int64_t mid_exposure_ns, const SE3& T_map_camera,
-                                   const std::optional<Vector6>& velocity) {
+                                   const std::optional<MeasuredMotion>& measured) {
   if (!poses_.empty() && mid_exposure_ns <= poses_.back().ns) return;
-  poses_.push_back({mid_exposure_ns, T_map_camera, velocity});
+  poses_.push_back({mid_exposure_ns, T_map_camera, measured});
   if (poses_.size() > kPoses) poses_.pop_front();
 }
 
@@ -42,14 +45,14 @@ Vector6 FiniteDifferenceVelocity::velocityOfMiddle() const {
   }
   if (count == 0) return Vector6::Zero();
   Vector6 velocity = velocities / count;
-  const auto measured = [&](const Pose& pose) { return pose.velocity.has_value(); };
+  const auto measured = [&](const Pose& pose) { return pose.measured.has_value(); };
   if (count + 1 < static_cast<int>(kPoses) || !std::all_of(poses_.begin(), poses_.end(), measured)) {
     return velocity;
   }
   // The central difference exceeds the velocity by a sixth of its second difference. An error that all measured
   // velocities have in common, that of the reference, cancels there. Hands change the rate of a turn so fast that it
   // counts, but not how fast they move: there it would only add the errors of the measured velocities.
-  const auto turn = [&](std::size_t i) { return poses_[i].velocity->tail<3>(); };
+  const auto turn = [&](std::size_t i) { return poses_[i].measured->velocity.tail<3>(); };
   velocity.tail<3>() -= (turn(0) - 2.0 * turn(1) + turn(2)) / 6.0;
   return velocity;
 }
@@ -61,16 +64,23 @@ BodyMotion FiniteDifferenceVelocity::motionOfMiddle() const {
   const double after = secondsTo(2);
   if (std::max(before, after) > kLongestGap) return motion;
   motion.acceleration = (velocityTo(2) - velocityTo(1)) / (0.5 * (before + after));
+  const auto& measured = poses_[1].measured;
+  if (!measured || !measured->angular_acceleration) return motion;
+  auto turn = motion.acceleration.tail<3>();
+  turn = 0.5 * (turn + *measured->angular_acceleration);
   return motion;
 }
 
-Vector6 FiniteDifferenceVelocity::velocityOfLast() const {
-  if (poses_.empty()) return Vector6::Zero();
-  const Pose& last = poses_.back();
-  if (last.velocity) return *last.velocity;
-  if (poses_.size() < 2) return Vector6::Zero();
-  if (secondsTo(poses_.size() - 1) > kLongestGap) return Vector6::Zero();
-  return velocityTo(poses_.size() - 1);
+BodyMotion FiniteDifferenceVelocity::motionOfLast() const {
+  BodyMotion motion;
+  if (poses_.empty()) return motion;
+  if (const auto& measured = poses_.back().measured) {
+    motion.velocity = measured->velocity;
+    motion.acceleration.tail<3>() = measured->angular_acceleration.value_or(Eigen::Vector3d::Zero());
+  } else if (poses_.size() >= 2 && secondsTo(poses_.size() - 1) <= kLongestGap) {
+    motion.velocity = velocityTo(poses_.size() - 1);
+  }
+  return motion;
 }
 
 }  // namespace mba_vo

@@ -146,28 +146,5 @@ TEST_F(OutwardTrackingTest, ANearerKeyframeThatTellsLessDoesNot) {
   }
 }
 
-TEST(ReferenceVelocity, ComesFromTheNeighboursOfTheReferenceInTime) {
-  constexpr std::int64_t kInterval = 37'000'000;  // [ns]
-  const auto frameAt = [](std::int64_t ns) {
-    auto frame = std::make_shared<Frame>();
-    frame->mid_exposure_ns = ns;
-    return frame;
-  };
-  const Vector6 v = (Vector6() << 0.3, -0.1, 0.2, 0.5, 1.0, -0.7).finished();
-  InitialMap map;
-  map.reference = frameAt(5 * kInterval);
-  for (const std::int64_t i : {1, 3, 4, 6, 7, 9}) {
-    // Only the two neighbours move along v; the others would spoil a mean over all.
-    const SE3 pose =
-        i == 4 || i == 6 ? SE3::exp(1e-9 * static_cast<double>((i - 5) * kInterval) * v) : SE3::exp(2.0 * v);
-    map.poses.push_back({frameAt(i * kInterval), pose});
-  }
-  EXPECT_LT((referenceMotion(map).velocity - v).norm(), 1e-9);
-  map.poses.erase(map.poses.begin() + 3, map.poses.end());  // the reference is the newest frame
-  EXPECT_LT((referenceMotion(map).velocity - v).norm(), 1e-9);
-  map.poses.clear();
-  EXPECT_EQ(referenceMotion(map).velocity.norm(), 0.0);
-}
-
 }  // namespace
 }  // namespace mba_vo::outward_tracking_test

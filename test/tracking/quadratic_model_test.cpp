@@ -11,6 +11,7 @@
 namespace mba_vo::quadratic_model_test {
 namespace {
 
+constexpr int kStates = QuadraticModel::kStates;
 constexpr int kPixels = 81;
 constexpr double kGain = 1.2;
 constexpr double kOffset = -3.0;
@@ -42,21 +43,35 @@ Sample randomSample(test::Random& random, bool rolling) {
     for (int row = 0; row < 2; ++row) {
       s.path.J_pose[part].row(row) = random.tangent(1.0, 1.0).transpose();
       s.path.J_xi[part].row(row) = random.tangent(1.0, 1.0).transpose();
-      if (rolling) s.path.J_xi_row.row(row) = random.tangent(1.0, 1.0).transpose();
     }
+  }
+  if (rolling) {
+    // As PatchPathMaker has them: that of the middle row, which this row sees later.
+    s.path.row = 0.7;
+    s.path.J_xi_row = s.path.row * s.path.J_xi[0];
+    s.path.J_xi[0] += s.path.row * s.path.J_xi[1];
   }
   return s;
 }
 
 /// Derivative of the residual of one pixel.
-Eigen::Matrix<double, 1, 14> derivative(const Sample& s, std::size_t k, bool moving) {
+Eigen::Matrix<double, 1, kStates> derivative(const Sample& s, std::size_t k, bool moving) {
   const ReblurredPatch& p = s.predicted;
   const Eigen::RowVector2d g(p.gx[k], p.gy[k]), ug(p.ugx[k], p.ugy[k]), uug(p.uugx[k], p.uugy[k]);
-  Eigen::Matrix<double, 1, 14> J = Eigen::Matrix<double, 1, 14>::Zero();
+  Eigen::Matrix<double, 1, kStates> J = Eigen::Matrix<double, 1, kStates>::Zero();
   J.head<6>() = -kGain * g * s.path.J_pose[0];
   if (moving) {
     J.head<6>() -= kGain * ug * s.path.J_pose[1];
     J.segment<6>(6) = -kGain * (g * s.path.J_xi_row + ug * s.path.J_xi[0] + uug * s.path.J_xi[1]);
+  }
+  if (s.path.row != 0.0) {
+    // (u + row)^2 / 2 of what the middle row would see, J0 + u J1, without its part in u^3.
+    const double row = s.path.row;
+    const Matrix26& J1 = s.path.J_xi[1];
+    const Matrix26 J0 = s.path.J_xi[0] - row * J1;
+    const Eigen::Matrix<double, 1, 6> J_bend = 0.5 * (row * row * g * J0 + ug * (2.0 * row * J0 + row * row * J1) +
+                                                      uug * (J0 + 2.0 * row * J1));
+    J.tail<3>() = -kGain * J_bend.tail<3>();
   }
   J(12) = -kGain * p.value[k];
   J(13) = -1.0;
@@ -66,8 +81,8 @@ Eigen::Matrix<double, 1, 14> derivative(const Sample& s, std::size_t k, bool mov
 void expectSameAsPixelByPixel(bool moving, bool rolling) {
   test::Random random(8);
   QuadraticModel model(3);
-  NormalEquations<14> expected;
-  std::vector<Eigen::Matrix<double, 14, 1>> patch_gradients;
+  NormalEquations<kStates> expected;
+  std::vector<Eigen::Matrix<double, kStates, 1>> patch_gradients;
   PatchWeighting weighting;
   weighting.gain = static_cast<float>(kGain);
   weighting.offset = static_cast<float>(kOffset);
@@ -80,12 +95,12 @@ void expectSameAsPixelByPixel(bool moving, bool rolling) {
     model.add(sums, s.path, kGain, moving, rolling);
     EXPECT_EQ(sums.pixels, kPixels - 2);
     EXPECT_TRUE(std::isfinite(sums.weighted_squares));
-    Eigen::Matrix<double, 14, 1> gradient = Eigen::Matrix<double, 14, 1>::Zero();
+    Eigen::Matrix<double, kStates, 1> gradient = Eigen::Matrix<double, kStates, 1>::Zero();
     for (std::size_t k = 0; k < kPixels; ++k) {
       const double r = s.intensity[k] - (kGain * s.predicted.value[k] + kOffset);
       expected.cost += loss.cost(std::isnan(r) ? kThreshold : r);
       if (std::isnan(r)) continue;
-      const Eigen::Matrix<double, 1, 14> J = derivative(s, k, moving);
+      const Eigen::Matrix<double, 1, kStates> J = derivative(s, k, moving);
       const double weight = std::min(1.0, kThreshold / std::abs(r));
       expected.hessian += weight * J.transpose() * J;
       gradient += weight * r * J.transpose();
@@ -93,7 +108,7 @@ void expectSameAsPixelByPixel(bool moving, bool rolling) {
     expected.gradient += gradient;
     patch_gradients.push_back(gradient);
   }
-  NormalEquations<14> equations;
+  NormalEquations<kStates> equations;
   model.copyTo(equations);
   EXPECT_NEAR(equations.cost, expected.cost, 1e-5 * expected.cost);
   EXPECT_LT((equations.hessian - expected.hessian).norm(), 1e-5 * expected.hessian.norm());
@@ -101,7 +116,7 @@ void expectSameAsPixelByPixel(bool moving, bool rolling) {
   const auto found = model.takePatchGradients();
   ASSERT_EQ(found.size(), patch_gradients.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const Eigen::Map<const Eigen::Matrix<double, 14, 1>> gradient(found[i].data());
+    const Eigen::Map<const Eigen::Matrix<double, kStates, 1>> gradient(found[i].data());
     EXPECT_LT((gradient - patch_gradients[i]).norm(), 1e-5 * patch_gradients[i].norm());
   }
 }

@@ -112,5 +112,40 @@ TEST(RollingTracker, AnExposureShorterThanTheReadoutHardlyChangesWhatIsKnownOfTh
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(brief(i) / none(i), 1.0, 0.25) << "component " << i;
 }
 
+/// What was before says that the turn goes on as it was; the rows say that it does not.
+TEST(RollingTracker, FindsHowATurnChangesAgainstWhatIsExpected) {
+  constexpr double kExposure = 2e-3;
+  constexpr double kSlowRows = 110e-6;      // [s] 240 in 26 ms, as a webcam
+  constexpr double kInterval = 1.0 / 30.0;  // [s]
+  SimulationConfig config = test::roomConfig();
+  config.row_time = kSlowRows;
+  const Simulator simulator(config, sharedRoom());
+  double missed = 0.0;  // share of the acceleration
+  for (unsigned seed = 1; seed <= kCases; ++seed) {
+    test::Random random(seed);
+    BodyMotion motion{random.tangent(0.3, 1.0)};
+    motion.acceleration.tail<3>() = 15.0 * random.tangent(1.0, 1.0).tail<3>().normalized();
+    const SE3 T_reference_mid = random.pose(0.05, 0.04);
+    const SE3 T_world_mid = referenceView().T_world_mid * T_reference_mid;
+    const SimulatedFrame rendered = simulator.renderExposure(
+        [&](double t) { return T_world_mid * SE3::exp(motion.until(t)); }, 0.0, kExposure, seed);
+    auto frame = std::make_shared<Frame>(*test::makeFrame(test::toFloat(rendered.blurred), 0, kExposure));
+    PinholeCamera camera = test::roomSimulator().camera();
+    camera.row_time = kSlowRows;
+    frame->pyramid = ImagePyramid(test::toFloat(rendered.blurred), camera, 5);
+    MotionPrior prior;
+    prior.dt = kInterval;
+    prior.previous = {T_reference_mid * SE3::exp(-kInterval * motion.velocity), motion.velocity, kExposure};
+    const TrackedFrame tracked = Tracker({}).track(*reference(), frame, TrackingGuess(prior, kExposure));
+    EXPECT_EQ(tracked.status, TrackingStatus::kTracking) << tracked.reason;
+    const Vector6 error = tracked.trajectory.acceleration - motion.acceleration;
+    missed += error.tail<3>().norm() / motion.acceleration.norm() / kCases;
+    EXPECT_LT(test::meanReprojectionError(referenceView().depth, T_reference_mid, tracked.trajectory.T_reference_mid),
+              0.05)
+        << "seed " << seed;
+  }
+  EXPECT_LT(missed, 0.6);  // four standard deviations of the prior, in a small image
+}
+
 }  // namespace
 }  // namespace mba_vo::rolling_tracker_test

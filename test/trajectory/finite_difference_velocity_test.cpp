@@ -21,7 +21,7 @@ TEST(FiniteDifferenceVelocity, IsExactForConstantVelocityAndUnevenIntervals) {
     const SE3 start = random.pose(1.0, 1.0);
     FiniteDifferenceVelocity motion;
     for (const std::int64_t ns : {0L, 20'000'000L, 75'000'000L, 110'000'000L})
-      motion.add(ns, start * SE3::exp(seconds(ns) * v), v);
+      motion.add(ns, start * SE3::exp(seconds(ns) * v), MeasuredMotion{v, std::nullopt});
     EXPECT_LT((kExposure * motion.velocityOfMiddle() - kExposure * v).norm(), 1e-9);
     EXPECT_EQ((0.0 * motion.velocityOfMiddle()).norm(), 0.0);
   }
@@ -53,15 +53,16 @@ TEST(FiniteDifferenceVelocity, TheLastFrameHasItsOwnVelocityOrThatSinceTheOneBef
   const Vector6 v = (Vector6() << 0.1, 0.2, 0, 0.5, 0, 0).finished();
   const Vector6 measured = 1.1 * v;
   FiniteDifferenceVelocity motion;
-  EXPECT_EQ(motion.velocityOfLast().norm(), 0.0);
+  EXPECT_EQ(motion.motionOfLast().velocity.norm(), 0.0);
   motion.add(0, SE3(), std::nullopt);
-  EXPECT_EQ(motion.velocityOfLast().norm(), 0.0);
+  EXPECT_EQ(motion.motionOfLast().velocity.norm(), 0.0);
   motion.add(kInterval, SE3::exp(seconds(kInterval) * v), std::nullopt);
-  EXPECT_LT((motion.velocityOfLast() - v).norm(), 1e-9);
-  motion.add(2 * kInterval, SE3::exp(seconds(2 * kInterval) * v), measured);
-  EXPECT_EQ(motion.velocityOfLast(), measured);
+  EXPECT_LT((motion.motionOfLast().velocity - v).norm(), 1e-9);
+  motion.add(2 * kInterval, SE3::exp(seconds(2 * kInterval) * v), MeasuredMotion{measured, Eigen::Vector3d(1, 2, 3)});
+  EXPECT_EQ(motion.motionOfLast().velocity, measured);
+  EXPECT_EQ(motion.motionOfLast().acceleration, (Vector6() << 0, 0, 0, 1, 2, 3).finished());
   motion.add(2'000'000'000, SE3(), std::nullopt);
-  EXPECT_EQ(motion.velocityOfLast().norm(), 0.0) << "too long ago";
+  EXPECT_EQ(motion.motionOfLast().velocity.norm(), 0.0) << "too long ago";
 }
 
 TEST(FiniteDifferenceVelocity, IgnoresPosesThatAreNotLater) {
@@ -92,7 +93,7 @@ double turnOfMiddle(const JerkyTurn& turn, double common_error) {
   for (const std::int64_t i : {-1, 0, 1}) {
     Vector6 velocity = Vector6::Zero();
     velocity(4) = turn.velocity(seconds(i * kInterval)) + common_error;
-    motion.add(i * kInterval, turn.pose(seconds(i * kInterval)), velocity);
+    motion.add(i * kInterval, turn.pose(seconds(i * kInterval)), MeasuredMotion{velocity, std::nullopt});
   }
   return kExposure * motion.velocityOfMiddle()(4);
 }
@@ -115,6 +116,17 @@ TEST(FiniteDifferenceVelocity, TheAccelerationIsThatOfAConstantOne) {
   EXPECT_EQ(motion.motionOfMiddle().velocity, motion.velocityOfMiddle());
   motion.add(2'000'000'000, SE3(), std::nullopt);
   EXPECT_EQ(motion.motionOfMiddle().acceleration.norm(), 0.0) << "too long ago";
+}
+
+TEST(FiniteDifferenceVelocity, HalfOfATurnsAccelerationIsWhatTheRowsTell) {
+  const JerkyTurn turn{1.0, -20.0, 0.0};
+  FiniteDifferenceVelocity motion;
+  const Eigen::Vector3d told(5.0, -30.0, 0.0);
+  for (const std::int64_t i : {-1, 0, 1}) {
+    motion.add(i * kInterval, turn.pose(seconds(i * kInterval)), MeasuredMotion{Vector6::Zero(), told});
+  }
+  const Vector6 expected = (Vector6() << 0, 0, 0, 2.5, -25.0, 0).finished();
+  EXPECT_LT((motion.motionOfMiddle().acceleration - expected).norm(), 1e-6);
 }
 
 TEST(FiniteDifferenceVelocity, ACommonErrorOfTheMeasuredVelocitiesFades) {

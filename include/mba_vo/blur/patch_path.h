@@ -36,6 +36,7 @@ struct PatchPath {
   std::array<Matrix26, 2> J_pose{Matrix26::Zero(), Matrix26::Zero()};
   std::array<Matrix26, 2> J_xi{Matrix26::Zero(), Matrix26::Zero()};
   Matrix26 J_xi_row = Matrix26::Zero();  // with a rolling shutter, by the time of the row
+  double row = 0.0;                      // that time, in exposures
   std::array<Eigen::Vector2d, 2> J_inverse_depth;
 
   /// Length of the path of the centre [px].

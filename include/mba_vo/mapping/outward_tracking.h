@@ -13,9 +13,6 @@
 
 namespace mba_vo {
 
-/// Velocity of the initial map's reference frame [m/s, rad/s] by the poses next to it in time.
-BodyMotion referenceMotion(const InitialMap& initial);
-
 /// Where the newest frame is whose pose the initial map knows: that of the reference itself, `start`, if there is none
 /// after it.
 TrackingHint newestOf(const InitialMap& initial, const ExposureTrajectory& start);

@@ -21,7 +21,7 @@ struct AlignmentState {
   Vector6 xi = Vector6::Zero();
   double a = 0.0;
   double b = 0.0;
-  Vector6 bend = Vector6::Zero();  // acceleration times the square of the exposure; given, not estimated
+  Vector6 bend = Vector6::Zero();  // acceleration times the square of the exposure; its turn may be estimated
 };
 
 struct AlignmentOptions {
@@ -29,6 +29,7 @@ struct AlignmentOptions {
   double sample_spacing_px = 1.25;
   int max_samples = 64;
   bool estimate_xi = true;       // false: the exposure is instantaneous, xi stays zero
+  bool estimate_turn_bend = false;  // of a rolling shutter, whose rows tell it
   bool rotation_only = false;    // neither position nor linear velocity is estimated
   bool with_covariance = false;  // keep what it needs
   double exposure = 1.0;         // [s] that xi belongs to; matters to a rolling shutter alone
@@ -42,6 +43,8 @@ struct AlignmentPrior {
   Vector6 pose_information = Vector6::Zero();
   Vector6 xi = Vector6::Zero();
   Vector6 xi_information = Vector6::Zero();
+  Eigen::Vector3d turn_bend = Eigen::Vector3d::Zero();
+  Eigen::Vector3d turn_bend_information = Eigen::Vector3d::Zero();
 };
 
 /// What the residuals say about the fit.
@@ -54,10 +57,10 @@ struct AlignmentStatistics {
 };
 
 /// Re-blurred patches of the reference against patches of the frame on one pyramid level (Eq. 7 of the paper): the
-/// problem that `minimize` solves. States: (delta of T_mid, epsilon of xi, a, b).
+/// problem that `minimize` solves. States: (delta of T_mid, epsilon of xi, a, b, turning part of the bend).
 class AlignmentProblem {
  public:
-  static constexpr int kStates = 14;
+  static constexpr int kStates = 17;
   using Step = Eigen::Matrix<double, kStates, 1>;
 
   AlignmentProblem(const Reference& reference, const std::vector<int>& points, const Frame& frame, int level,

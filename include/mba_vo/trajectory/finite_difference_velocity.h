@@ -11,33 +11,39 @@
 
 namespace mba_vo {
 
-/// What the blur, or the rows of a rolling shutter, tell about the velocity [m/s, rad/s, body frame]. None where the
-/// exposure is unknown or instantaneous, unless the shutter rolls.
-std::optional<Vector6> measuredVelocity(const TrackedFrame& frame);
+/// What the blur, or the rows of a rolling shutter, tell about the velocity [m/s, rad/s, body frame], and those rows
+/// about how a turn changes, too. None where the exposure is unknown or instantaneous, unless the shutter rolls.
+struct MeasuredMotion {
+  Vector6 velocity = Vector6::Zero();
+  std::optional<Eigen::Vector3d> angular_acceleration;  // [rad/s^2]
+};
+std::optional<MeasuredMotion> measuredMotion(const TrackedFrame& frame);
 
-/// Velocity during an exposure, by the poses of the frames before and after it. A blurred image compared with a
+/// Motion during an exposure, by the poses of the frames before and after it. A blurred image compared with a
 /// blurred reference tells only by how much more the one is blurred than the other: a reference's error goes over to
 /// the motion measured in the next frame, and from there to the next reference. The poses at mid-exposure, which hardly
 /// depend on the blur, hold that back.
 class FiniteDifferenceVelocity {
  public:
-  /// Adds the next frame: its mid pose and the velocity [m/s, rad/s, body frame] measured by its blur, if any.
+  /// Adds the next frame: its mid pose and what itself tells of its motion, if anything.
   /// Must be increasing in time; one that is not is ignored.
-  void add(std::int64_t mid_exposure_ns, const SE3& T_map_camera, const std::optional<Vector6>& velocity);
+  void add(std::int64_t mid_exposure_ns, const SE3& T_map_camera, const std::optional<MeasuredMotion>& measured);
 
   /// Of the last but one frame [m/s, rad/s, body frame]. Zero if fewer than two poses are known, or those on both sides
   /// are too far away in time.
   Vector6 velocityOfMiddle() const;
-  /// The same with the acceleration, that of a constant one through the three poses; 0 if there are fewer.
+  /// The same with the acceleration, that of a constant one through the three poses; 0 if there are fewer. Where the
+  /// frame itself tells how its turn changes, that and the poses count by half: what is faster than the frames, they
+  /// do not see; the rows see it, but not well.
   BodyMotion motionOfMiddle() const;
   /// Of the last frame, while none after it is known: as measured, else as between it and the one before.
-  Vector6 velocityOfLast() const;
+  BodyMotion motionOfLast() const;
 
  private:
   struct Pose {
     std::int64_t ns;
     SE3 T_map_camera;
-    std::optional<Vector6> velocity;
+    std::optional<MeasuredMotion> measured;
   };
   /// From the pose before the one of number i: time, and the velocity on the way.
   double secondsTo(std::size_t i) const;
