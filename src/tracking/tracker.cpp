@@ -16,17 +16,17 @@ constexpr int kStartIterations = 6;  // spent on each alternative start on the c
 constexpr int kCloseLevel = 1;       // the coarsest for a guess that is close
 // Steps after which a level is done: each takes off two thirds of what is left, and a finer level has a basin of pixels
 // (docs/decisions/2026-11-26-fewer-evaluations.md).
-constexpr double kLastStep = 0.03;            // [px] on the finest level
-constexpr double kLastCoarseStep = 0.1;       // [px of the level] on others
-constexpr int kComparedLevels = 2;            // the coarsest: on them starts are compared, far from where they lead
-constexpr int kTurnIterations = 30;           // on the search for a turn
-constexpr std::size_t kFinerStarts = 3;       // compared again on the next level
-constexpr double kSameBasin = 0.25;           // [px of the coarsest level] results nearer than this are one
-constexpr double kObservableBlur = 3.0;       // [px] below it the covariance of xi means nothing
-constexpr double kCommonPoseError = 0.015;    // [px] std. deviation of what all patches have wrong alike, as
-constexpr double kCommonXiError = 0.1;        // interpolation does; found with bench/tracking_study
-constexpr double kRelativeXiError = 0.006;    // of the blur: the motion of a long path is not quite what is modelled
-constexpr double kFollowResiduals = 0.0;      // in place of a Huber threshold: one that suits them
+constexpr double kLastStep = 0.03;          // [px] on the finest level
+constexpr double kLastCoarseStep = 0.1;     // [px of the level] on others
+constexpr int kComparedLevels = 2;          // the coarsest: on them starts are compared, far from where they lead
+constexpr int kTurnIterations = 30;         // on the search for a turn
+constexpr std::size_t kFinerStarts = 3;     // compared again on the next level
+constexpr double kSameBasin = 0.25;         // [px of the coarsest level] results nearer than this are one
+constexpr double kObservableBlur = 3.0;     // [px] below it the covariance of xi means nothing
+constexpr double kCommonPoseError = 0.015;  // [px] std. deviation of what all patches have wrong alike, as
+constexpr double kCommonXiError = 0.1;      // interpolation does; found with bench/tracking_study
+constexpr double kRelativeXiError = 0.006;  // of the blur: the motion of a long path is not quite what is modelled
+constexpr double kFollowResiduals = 0.0;    // in place of a Huber threshold: one that suits them
 
 }  // namespace
 
@@ -49,8 +49,7 @@ Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentSt
   options.exposure = job.exposure;
   options.rotation_only = job.reference.at_infinity || freedom == Freedom::kRotation;
   options.with_covariance = level == 0;
-  const std::optional<AlignmentPrior> prior =
-      freedom == Freedom::kRotation ? std::nullopt : priorFor(job, initial);
+  const std::optional<AlignmentPrior> prior = freedom == Freedom::kRotation ? std::nullopt : priorFor(job, initial);
   options.estimate_turn_bend = job.rolling && prior;
   AlignmentProblem problem(job.reference, job.points[static_cast<std::size_t>(level)], job.frame, level, pattern,
                            options, prior, initial);

@@ -23,9 +23,7 @@ struct Swing {
   SE3 T_world_centre = test::roomView(40).T_world_mid;
 
   SE3 pose(double t) const { return T_world_centre * SE3::exp(std::sin(kRate * t + phase) * width); }
-  BodyMotion motion() const {
-    return {kRate * std::cos(phase) * width, -kRate * kRate * std::sin(phase) * width};
-  }
+  BodyMotion motion() const { return {kRate * std::cos(phase) * width, -kRate * kRate * std::sin(phase) * width}; }
 };
 
 /// The image before, the reference and the one after, with poses as wrong as an initialiser's.

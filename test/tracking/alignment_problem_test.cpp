@@ -40,7 +40,8 @@ AlignmentState stateAt(test::Random& random) {
 
 /// Compares in the unit of the square root of the cost: gradient over the root of the Hessian's diagonal.
 /// Returns the size of the numeric one, which must not be small in comparison for all of the states tried.
-Eigen::VectorXd expectGradientOfCost(AlignmentProblem& problem, const AlignmentState& state, int states = kWithoutBend) {
+Eigen::VectorXd expectGradientOfCost(AlignmentProblem& problem, const AlignmentState& state,
+                                     int states = kWithoutBend) {
   constexpr double kTolerance = 0.03;  // the path is quadratic in u, its derivatives linear
   const auto equations = problem.linearize(state);
   const auto cost = [&](const Eigen::VectorXd& d) {
@@ -52,8 +53,8 @@ Eigen::VectorXd expectGradientOfCost(AlignmentProblem& problem, const AlignmentS
     EXPECT_NEAR(equations.gradient(i) / scale, numeric(0, i) / scale, kTolerance) << "state " << i;
     EXPECT_GT(equations.hessian(i, i), 0.0) << "state " << i;
   }
-  const Eigen::VectorXd size = numeric.row(0).transpose().cwiseAbs().cwiseQuotient(
-      (equations.cost * equations.hessian.diagonal()).cwiseSqrt());
+  const Eigen::VectorXd size =
+      numeric.row(0).transpose().cwiseAbs().cwiseQuotient((equations.cost * equations.hessian.diagonal()).cwiseSqrt());
   return size.head(states);
 }
 

@@ -69,8 +69,8 @@ Eigen::Matrix<double, 1, kStates> derivative(const Sample& s, std::size_t k, boo
     const double row = s.path.row;
     const Matrix26& J1 = s.path.J_xi[1];
     const Matrix26 J0 = s.path.J_xi[0] - row * J1;
-    const Eigen::Matrix<double, 1, 6> J_bend = 0.5 * (row * row * g * J0 + ug * (2.0 * row * J0 + row * row * J1) +
-                                                      uug * (J0 + 2.0 * row * J1));
+    const Eigen::Matrix<double, 1, 6> J_bend =
+        0.5 * (row * row * g * J0 + ug * (2.0 * row * J0 + row * row * J1) + uug * (J0 + 2.0 * row * J1));
     J.tail<3>() = -kGain * J_bend.tail<3>();
   }
   J(12) = -kGain * p.value[k];

@@ -28,11 +28,11 @@ struct AlignmentOptions {
   double huber_threshold = 9.0;  // [grey levels] also that of an inlier
   double sample_spacing_px = 1.25;
   int max_samples = 64;
-  bool estimate_xi = true;       // false: the exposure is instantaneous, xi stays zero
+  bool estimate_xi = true;          // false: the exposure is instantaneous, xi stays zero
   bool estimate_turn_bend = false;  // of a rolling shutter, whose rows tell it
-  bool rotation_only = false;    // neither position nor linear velocity is estimated
-  bool with_covariance = false;  // keep what it needs
-  double exposure = 1.0;         // [s] that xi belongs to; matters to a rolling shutter alone
+  bool rotation_only = false;       // neither position nor linear velocity is estimated
+  bool with_covariance = false;     // keep what it needs
+  double exposure = 1.0;            // [s] that xi belongs to; matters to a rolling shutter alone
   double residual_sigma = 20.0;  // [grey levels] largest weight of the priors against the pixels, correlation included
   double depth_noise = 3.0;      // [grey levels] pixel noise that the effect of depth uncertainty is compared with
 };
