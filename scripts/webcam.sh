@@ -14,7 +14,7 @@
 #   --duration S    length of the sequences (12)
 #   --seed N        of the rooms (50)
 #   --bin DIR       folder of the programs (devel/lib/mba_vo)
-#   MOTION          hand_desk head_room6 hand_office drone_v202 (the first three)
+#   MOTION          hand_desk head_room6 hand_office drone_v202 head_room2 head_room3 head_room4 (the first three)
 #
 # All cameras: 640x480, 30 Hz, exposure between 6 and 24 ms. Ideal: global shutter, linear, all told. The others
 # differ from it by one thing: light falling to 65 % in the corners; gamma 2.2 not told; focal length 1 % wrong; exposure
@@ -58,7 +58,10 @@ place() {
     head_room6) echo --start 10 --scene-seed $((seed + 2)) ;;
     hand_office) echo --start 20 --scene-seed $((seed + 3)) ;;
     drone_v202) echo --start 12 --scene-seed $((seed + 4)) ;;
-    *) echo "webcam.sh: motion '$1': must be hand_desk, head_room6, hand_office or drone_v202" >&2; exit 2 ;;
+    head_room2) echo --start 5 --scene-seed $((seed + 11)) ;;
+    head_room3) echo --start 8 --scene-seed $((seed + 12)) ;;
+    head_room4) echo --start 6 --scene-seed $((seed + 13)) ;;
+    *) echo "webcam.sh: motion '$1': must be hand_desk, head_room6, hand_office, drone_v202 or head_room2 to head_room4" >&2; exit 2 ;;
   esac
 }
 
