@@ -58,9 +58,13 @@ void FrameTracking::reset() {
 }
 
 FrameConstPtr FrameTracking::asKnownNow(const FrameConstPtr& frame) const {
-  const auto exposure = exposures_.exposureFor(frame->exposure, frame->mid_exposure_ns);
-  const bool estimated = exposure && !frame->exposure;
-  return withExposure(frame, exposure, estimated ? exposures_.estimate(false, frame->mid_exposure_ns).log_sigma : 0.0);
+  if (!frame->exposure) return withExposureKnownNow(frame);
+  return withExposure(frame, exposures_.exposureFor(frame->exposure, frame->mid_exposure_ns), 0.0);
+}
+
+FrameConstPtr FrameTracking::withExposureKnownNow(const FrameConstPtr& frame) const {
+  const auto exposure = exposures_.exposureFor(std::nullopt, frame->mid_exposure_ns);
+  return withExposure(frame, exposure, exposure ? exposures_.estimate(false, frame->mid_exposure_ns).log_sigma : 0.0);
 }
 
 std::shared_ptr<TrackedFrame> FrameTracking::track(const FrameConstPtr& given, const std::optional<CameraTurn>& turn) {
@@ -91,7 +95,9 @@ std::shared_ptr<TrackedFrame> FrameTracking::align(const FrameConstPtr& given,
 void FrameTracking::learnExposure(const std::shared_ptr<TrackedFrame>& tracked, const FrameConstPtr& given) {
   tracked->exposure_estimate = exposures_.estimate(given->exposure.has_value(), given->mid_exposure_ns);
   exposures_.add(reference_, tracked, given->exposure);
-  if (!given->exposure) tracked->exposures = exposures_.history();
+  if (given->exposure) return;
+  tracked->exposures = exposures_.history();
+  if (tracked->exposure_by_rows) tracked->frame = withExposureKnownNow(tracked->frame);
 }
 
 void FrameTracking::goOnFrom(const TrackedFrame& tracked) {

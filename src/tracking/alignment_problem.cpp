@@ -116,6 +116,7 @@ void AlignmentProblem::selectPatches(const AlignmentState& state) {
   inverse_depths.reserve(patches_.size());
   for (const Patch& patch : patches_) inverse_depths.push_back(patch.inverse_depth);
   median_inverse_depth_ = median(std::move(inverse_depths));
+  blur_px_ = imageMotion(state.xi);
 }
 
 bool AlignmentProblem::refresh(const AlignmentState& state) {
@@ -129,26 +130,30 @@ bool AlignmentProblem::refresh(const AlignmentState& state) {
 
 AlignmentState AlignmentProblem::plus(const AlignmentState& state, const Step& step) {
   AlignmentState next{state.T_reference_mid * SE3::exp(step.head<6>()), state.xi + step.segment<6>(6),
-                      state.a + step(12), state.b + step(13), state.bend};
-  next.bend.tail<3>() += step.tail<3>();
+                      state.a + step(12), state.b + step(13), state.bend, state.log_exposure + step(kLogExposure)};
+  next.bend.tail<3>() += step.segment<3>(14);
+  const double longer = std::exp(step(kLogExposure));  // at the same velocity and acceleration
+  next.xi *= longer;
+  next.bend *= longer * longer;
   return next;
 }
 
+double AlignmentProblem::imageMotion(const Vector6& motion) const {
+  return frame_level_.camera.fx * (median_inverse_depth_ * motion.head<3>().norm() + motion.tail<3>().norm());
+}
+
 double AlignmentProblem::stepSize(const Step& step) const {
-  const auto motion = [&](int first) {
-    return frame_level_.camera.fx *
-           (median_inverse_depth_ * step.segment<3>(first).norm() + step.segment<3>(first + 3).norm());
-  };
   // Half of xi is where the exposure ends, or, with a rolling shutter, more where the last row is.
   const double last_row = rolling_ ? std::abs(frame_level_.camera.rowDelay(0.0)) / options_.exposure : 0.0;
   const double end = 0.5 + last_row;
-  const double bend = frame_level_.camera.fx * step.tail<3>().norm();
-  return std::max({motion(0), end * motion(6), 0.5 * end * end * bend});
+  const double bend = frame_level_.camera.fx * step.segment<3>(14).norm();
+  return std::max({imageMotion(step.head<6>()), end * imageMotion(step.segment<6>(6)), 0.5 * end * end * bend,
+                   0.5 * blur_px_ * std::abs(step(kLogExposure))});
 }
 
 /// With a global shutter no times matter: the exposure is the unit.
 ExposureTrajectory AlignmentProblem::trajectoryOf(const AlignmentState& state) const {
-  const double exposure = rolling_ ? options_.exposure : 1.0;
+  const double exposure = rolling_ ? options_.exposure * std::exp(state.log_exposure) : 1.0;
   return {state.T_reference_mid, state.xi / exposure, exposure, state.bend / (exposure * exposure)};
 }
 
@@ -225,12 +230,21 @@ void AlignmentProblem::addPriors(const AlignmentState& state, Equations& equatio
   // Log(T_prior^-1 T Exp(d)) ~ Log(T_prior^-1 T) + d for the small deviations where the prior matters.
   const Vector6 deviation = (prior_->T_reference_mid.inverse() * state.T_reference_mid).log();
   equations.addPrior<6>(0, deviation, pose_scale * prior_->pose_information);
-  equations.addPrior<6>(6, state.xi - prior_->xi, scale * prior_->xi_information);
-  equations.addPrior<3>(14, state.bend.tail<3>() - prior_->turn_bend, scale * prior_->turn_bend_information);
+  const double longer = std::exp(state.log_exposure);
+  const double longer2 = longer * longer;
+  const Vector6 xi_information = prior_->xi_information / longer2;
+  const Eigen::Vector3d bend_information = prior_->turn_bend_information / (longer2 * longer2);
+  equations.addPrior<6>(6, state.xi - longer * prior_->xi, scale * xi_information);
+  equations.addPrior<3>(14, state.bend.tail<3>() - longer2 * prior_->turn_bend, scale * bend_information);
+  // Nor is the exposure known as surely as coarse noise would have it: it, too, gives way to small residuals.
+  equations.log_exposure_prior = pose_scale * prior_->log_exposure_information;
+  equations.addPrior<1>(kLogExposure, Eigen::Matrix<double, 1, 1>(state.log_exposure),
+                        Eigen::Matrix<double, 1, 1>(equations.log_exposure_prior));
   // The gradient of a prior scatters by its weight times the deviation that it expects.
   equations.prior_scatter.head<6>() = pose_scale * pose_scale * prior_->pose_information;
-  equations.prior_scatter.segment<6>(6) = scale * scale * prior_->xi_information;
-  equations.prior_scatter.tail<3>() = scale * scale * prior_->turn_bend_information;
+  equations.prior_scatter.segment<6>(6) = scale * scale * xi_information;
+  equations.prior_scatter.segment<3>(14) = scale * scale * bend_information;
+  equations.prior_scatter(kLogExposure) = pose_scale * equations.log_exposure_prior;
 }
 
 Eigen::Matrix<double, AlignmentProblem::kStates, AlignmentProblem::kStates> AlignmentProblem::Equations::covariance()
@@ -255,6 +269,7 @@ AlignmentProblem::Equations AlignmentProblem::linearize(const AlignmentState& st
   addPriors(state, equations);
   if (!options_.estimate_xi) equations.fix(6, 6);
   if (!options_.estimate_turn_bend) equations.fix(14, 3);
+  if (!options_.estimate_exposure) equations.fix(kLogExposure, 1);
   if (options_.rotation_only) {
     equations.fix(0, 3);
     equations.fix(6, 3);

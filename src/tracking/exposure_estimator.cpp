@@ -21,6 +21,12 @@ constexpr double kWellKnownSigma = 0.05;  // of log ratio
 // Blur of the reference, as a share of the frame's along it, that is too much: 0.6 leaves too few samples, 1 and more
 // too many wrong ones (docs/decisions/2026-11-21-unknown-exposure.md).
 constexpr double kLikeReference = 0.8;
+// The same where rows tell the velocity: from frame to keyframe to frame an error grows from there on. Values of
+// these four: docs/decisions/2026-11-28-exposures-by-rows.md.
+constexpr double kMostAlike = 1.2;
+constexpr double kReferenceSigma = 0.1;   // of the logarithm of the reference's exposure
+constexpr double kRowsSigma = 0.1;        // [px] of blur, that path and patches have wrong
+constexpr double kLargestRowsSigma = 0.7; // of log exposure; a sample that tells less is none
 constexpr int kLeastUnknownSamples = 1;  // from which on they are better than the assumed exposure
 constexpr double kWrong = 0.2;           // |log ratio| from which on exposures that came are not believed
 constexpr double kRightAgain = 0.1;      // the same, until which they are not
@@ -81,6 +87,7 @@ void ExposureEstimator::reset() {
 void ExposureEstimator::add(const ReferenceConstPtr& reference, const std::shared_ptr<const TrackedFrame>& tracked,
                             const std::optional<double>& given) {
   if (!config_.estimate_exposure) return;
+  if (!given && tracked->frame->pyramid.level(0).camera.row_time != 0.0) return addByRows(*reference, *tracked);
   const bool good = tracked->status == TrackingStatus::kTracking && given.value_or(1.0) > 0.0;
   if (!good || (!seen_.empty() && seconds(*seen_.back().tracked, *tracked) <= 0.0)) seen_.clear();
   if (!good) return;
@@ -103,6 +110,21 @@ void ExposureEstimator::add(const ReferenceConstPtr& reference, const std::share
   ratio_.samples.push_back({log_ratio, 1.0 / (sample->log_sigma * sample->log_sigma)});
   if (ratio_.samples.size() > kRememberedSamples) ratio_.samples.pop_front();
   update(ratio_);
+}
+
+/// What the reference's exposure has wrong enters by the square of how much of the blur it goes along with.
+void ExposureEstimator::addByRows(const Reference& reference, const TrackedFrame& tracked) {
+  if (!tracked.tracked() || !tracked.exposure_by_rows) return;
+  const ExposureTrajectory& trajectory = tracked.trajectory;
+  const Passage passage = passageOf(reference, tracked, trajectory.velocity, trajectory.exposure);
+  if (std::abs(passage.alike) > kMostAlike) return;
+  ExposureSample sample = *tracked.exposure_by_rows;
+  sample.log_sigma = std::hypot(sample.log_sigma, kRowsSigma / passage.path_px,
+                                kReferenceSigma * passage.alike * passage.alike);
+  if (!(sample.log_sigma < kLargestRowsSigma)) return;
+  // None is longer than the time since the image before.
+  if (history_) sample.exposure = std::min(sample.exposure, tracked.frame->midExposureSeconds() - history_->newestTime());
+  if (sample.exposure > 0.0) learn(tracked.frame->mid_exposure_ns, asShortAsMayBe(sample));
 }
 
 void ExposureEstimator::learn(std::int64_t mid_exposure_ns, const ExposureSample& sample) {

@@ -201,6 +201,11 @@ Passage passageOf(const Reference& reference, const TrackedFrame& tracked, const
   return {velocity, interval, path, alike};
 }
 
+ExposureSample asShortAsMayBe(ExposureSample sample) {
+  sample.exposure *= std::exp(-std::min(sample.log_sigma, kMostCaution));
+  return sample;
+}
+
 std::optional<ExposureSample> sampleExposure(const Reference& reference, const TrackedFrame& tracked,
                                              const Passage& passage, double doubt_px, const ExposureSample& expected,
                                              const std::optional<double>& told, const TrackerConfig& config) {
@@ -212,8 +217,7 @@ std::optional<ExposureSample> sampleExposure(const Reference& reference, const T
   const double shown = passage.shown();
   sample->log_sigma = std::hypot(sample->log_sigma, doubt_px / passage.path_px / shown, kBlurSigma / blur / shown);
   sample->exposure = std::min(sample->exposure, passage.interval);  // none is longer than until the next image
-  if (!told) sample->exposure *= std::exp(-std::min(sample->log_sigma, kMostCaution));
-  return sample;
+  return told ? sample : asShortAsMayBe(*sample);
 }
 
 }  // namespace mba_vo

@@ -12,6 +12,7 @@ constexpr int kGain = 12;
 constexpr int kOffset = 13;
 constexpr int kBend = 14;
 constexpr int kBendStates = 3;
+constexpr int kLogExposure = 17;
 constexpr int kColumnsWithoutBend = 16;
 
 /// Residual = B - (e^a Bhat + b): minus its derivative is the moments of the pixel times these. J_pose belongs to the
@@ -44,7 +45,11 @@ MomentJacobian jacobianOf(const PatchPath& path, double gain, bool moving, bool 
     put(4, kXi, path.J_xi[1]);
     put(0, kXi, path.J_xi_row);  // zero with a global shutter
   }
-  if (rolling) putBend(path, put);
+  if (rolling) {
+    putBend(path, put);
+    put(2, kLogExposure, path.c1.cast<double>());  // u grows with the exposure
+    put(4, kLogExposure, 2.0 * path.c2.cast<double>());
+  }
   J.rows[6][kGain] = gain;
   J.rows[7][kOffset] = 1.0;
   return J;
@@ -93,7 +98,7 @@ template <bool Moving, bool Rolling>
   for (int state = 0; state < (Moving ? kGain : kXi); ++state) {
     addRow(state, state < kXi || Rolling ? 0 : 2);
   }
-  for (int state = kBend; Rolling && state < kBend + kBendStates; ++state) addRow(state, 0);
+  for (int state = kBend; Rolling && state <= kLogExposure; ++state) addRow(state, 0);
 #pragma GCC unroll 1
   for (int k = 0; k < kWidth; ++k) {
     out.hessian[kGain][k] += J.rows[6][kGain] * MJ[6][k];

@@ -27,6 +27,21 @@ constexpr double kCommonPoseError = 0.015;  // [px] std. deviation of what all p
 constexpr double kCommonXiError = 0.1;      // interpolation does; found with bench/tracking_study
 constexpr double kRelativeXiError = 0.006;  // of the blur: the motion of a long path is not quite what is modelled
 constexpr double kFollowResiduals = 0.0;    // in place of a Huber threshold: one that suits them
+constexpr double kLeastShare = 0.02;        // of an estimate, that the image tells: with less it tells nothing
+
+/// The log exposure that was found lies between the expected one and the one that the image tells: the more of it is the
+/// image's, the nearer to that.
+std::optional<ExposureSample> exposureByRows(double expected, const AlignmentState& state,
+                                             const AlignmentProblem::Equations& equations) {
+  constexpr int kState = AlignmentProblem::kLogExposure;
+  const double prior = equations.log_exposure_prior;
+  if (prior == 0.0) return std::nullopt;
+  const double share = 1.0 - prior * equations.hessian.inverse()(kState, kState);
+  if (share < kLeastShare) return std::nullopt;
+  const double of_prior = equations.prior_scatter(kState) / (prior * prior);
+  const double variance = equations.covariance()(kState, kState) - (1.0 - share) * (1.0 - share) * of_prior;
+  return ExposureSample{expected * std::exp(state.log_exposure / share), std::sqrt(std::max(variance, 0.0)) / share};
+}
 
 }  // namespace
 
@@ -51,6 +66,7 @@ Tracker::LevelResult Tracker::align(const Job& job, int level, const AlignmentSt
   options.with_covariance = level == 0;
   const std::optional<AlignmentPrior> prior = freedom == Freedom::kRotation ? std::nullopt : priorFor(job, initial);
   options.estimate_turn_bend = job.rolling && prior;
+  options.estimate_exposure = prior && prior->log_exposure_information > 0.0;
   AlignmentProblem problem(job.reference, job.points[static_cast<std::size_t>(level)], job.frame, level, pattern,
                            options, prior, initial);
   if (huber_threshold > 0.0) {
@@ -192,10 +208,15 @@ TrackedFrame Tracker::track(const Reference& reference, const FrameConstPtr& giv
   TrackedFrame tracked;
   tracked.frame = frame;
   tracked.reference = reference.id;
+  const double exposure = job.exposureOf(state);
   tracked.trajectory = {state.T_reference_mid,
-                        job.exposure > 0.0 ? Vector6(state.xi / job.exposure) : guess.trajectory.velocity,
+                        exposure > 0.0 ? Vector6(state.xi / exposure) : guess.trajectory.velocity,
                         guess.trajectory.exposure};
-  if (job.exposure > 0.0) tracked.trajectory.acceleration = state.bend / (job.exposure * job.exposure);
+  if (exposure > 0.0) tracked.trajectory.acceleration = state.bend / (exposure * exposure);
+  if (job.rolling && job.untold() > 0.0) {
+    tracked.trajectory.exposure = exposure;
+    tracked.exposure_by_rows = exposureByRows(job.exposure, state, result.minimum.equations);
+  }
   tracked.brightness.a = reference.brightness.a + state.a;
   tracked.brightness.b = state.b + std::exp(state.a) * reference.brightness.b;
   const AlignmentStatistics& statistics = result.minimum.equations.statistics;

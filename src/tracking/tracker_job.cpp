@@ -34,10 +34,12 @@ Tracker::Job::Job(const Reference& r, const Frame& f, const TrackingGuess& g, in
 }
 
 double Tracker::Job::untold() const {
-  if (rolling || frame.exposureWasTold()) return 0.0;
+  if (frame.exposureWasTold()) return 0.0;
   if (!frame.exposure) return kAssumedExposureSigma;
   return std::clamp(frame.exposure_log_sigma, kLeastUntold, kAssumedExposureSigma);
 }
+
+double Tracker::Job::exposureOf(const AlignmentState& state) const { return exposure * std::exp(state.log_exposure); }
 
 Vector6 Tracker::Job::seeded(const Vector6& xi) const {
   if (rolling || fx() * xi.tail<3>().norm() >= kLeastBlurToSeed) return xi;
@@ -63,20 +65,21 @@ std::optional<AlignmentPrior> Tracker::priorFor(const Job& job, const AlignmentS
   if (job.rolling) {
     within.linear_acceleration = std::min(within.linear_acceleration, kRowsLinearAcceleration);
     const double sigma = exposure * exposure * kRowsAngularAcceleration;
-    prior.turn_bend = bendFor(job, state).tail<3>();
+    prior.turn_bend = bendFor(job, state).tail<3>() * std::exp(-2.0 * state.log_exposure);
     prior.turn_bend_information.setConstant(1.0 / (sigma * sigma));
+    if (config_.estimate_exposure && job.untold() > 0.0) prior.log_exposure_information = 1.0 / (job.untold() * job.untold());
   }
   prior.xi = motion->expectedXi(state.T_reference_mid, exposure);
-  const Vector6 doubt = job.untold() * prior.xi;
-  prior.xi_information = motion->xiInformation(within, job.median_depth, exposure, doubt);
+  const double doubt = job.rolling ? 0.0 : job.untold();  // rows tell a velocity without an exposure
+  prior.xi_information = motion->xiInformation(within, job.median_depth, exposure, doubt * prior.xi);
   return prior;
 }
 
 Vector6 Tracker::bendFor(const Job& job, const AlignmentState& state) const {
   const auto& motion = job.guess.motion;
-  const double exposure = job.exposure;
-  // Without the true exposure, the motion within it and that between the frames cannot be compared.
-  const bool comparable = job.frame.exposure && exposure > 0.0 && job.untold() == 0.0;
+  const double exposure = job.exposureOf(state);
+  // Without the true exposure, the motion within it and that between the frames cannot be compared, but for rows.
+  const bool comparable = exposure > 0.0 && (job.rolling || job.untold() == 0.0);
   if (!motion || motion->dt == 0.0 || !comparable) return Vector6::Zero();
   const double limit = kLargestAcceleration * exposure * exposure;
   const Vector6 bend = motion->bend(state.T_reference_mid, state.xi, exposure);

@@ -21,8 +21,9 @@ struct Tracker::Job {
   /// Coarse levels see less detail per patch, and 9x9 pixels there span too much depth.
   static int patchSide(int level) { return level <= 1 ? 9 : 7; }
   double fx() const { return reference.pyramid->level(0).camera.fx; }
-  /// Of the logarithm of an exposure that nobody told, standard deviation; 0 of a rolling shutter: rows tell velocity.
+  /// Of the logarithm of an exposure that nobody told, standard deviation; 0 of one that came.
   double untold() const;
+  double exposureOf(const AlignmentState& state) const;  // [s]
   /// With a direction to descend along where none is known: at xi = 0 the derivative of the blur vanishes.
   Vector6 seeded(const Vector6& xi) const;
   /// Rotation between two states, as the image sees it [px of the finest level].

@@ -25,8 +25,8 @@ AlignmentOptions smoothOptions() {
   return options;
 }
 
-/// Of an image by a global shutter the bend is no state.
-constexpr int kWithoutBend = AlignmentProblem::kStates - 3;
+/// Of an image by a global shutter neither the bend nor the exposure is a state.
+constexpr int kOfGlobalShutter = AlignmentProblem::kStates - 4;
 
 AlignmentState stateAt(test::Random& random) {
   AlignmentState state;
@@ -41,7 +41,7 @@ AlignmentState stateAt(test::Random& random) {
 /// Compares in the unit of the square root of the cost: gradient over the root of the Hessian's diagonal.
 /// Returns the size of the numeric one, which must not be small in comparison for all of the states tried.
 Eigen::VectorXd expectGradientOfCost(AlignmentProblem& problem, const AlignmentState& state,
-                                     int states = kWithoutBend) {
+                                     int states = kOfGlobalShutter) {
   constexpr double kTolerance = 0.03;  // the path is quadratic in u, its derivatives linear
   const auto equations = problem.linearize(state);
   const auto cost = [&](const Eigen::VectorXd& d) {
@@ -62,7 +62,7 @@ TEST(AlignmentProblem, GradientIsThatOfTheCostForAllStates) {
   const SmoothScene scene = makeScene();
   ASSERT_GT(scene.points.size(), 100U);
   test::Random random(4);
-  Eigen::VectorXd largest = Eigen::VectorXd::Zero(kWithoutBend);
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(kOfGlobalShutter);
   for (const int level : {0, 1}) {
     for (int trial = 0; trial < 4; ++trial) {
       const AlignmentState state = stateAt(random);
@@ -122,25 +122,40 @@ TEST(AlignmentProblem, ThePredictedPoseWeighsByTheResidualsAndTheExpectedXiDoesN
   EXPECT_NEAR(blurred(1) / full, 1.0, 1e-3);
 }
 
-TEST(AlignmentProblem, GradientHoldsWithARollingShutter) {
+/// `informed`: with priors, which are for the exposure of the options while the state has another.
+void expectGradientWithARollingShutter(bool informed) {
   test::Random random(8);
   const SmoothScene scene = makeScene(Vector6::Zero(), 1e-4);
   scene.reference->motion = {random.tangent(0.3, 0.5), random.tangent(3.0, 5.0)};
   AlignmentOptions options = smoothOptions();
-  options.estimate_turn_bend = true;
+  options.estimate_turn_bend = options.estimate_exposure = true;
   Eigen::VectorXd largest = Eigen::VectorXd::Zero(AlignmentProblem::kStates);
   for (const int level : {0, 1}) {
-    for (const double exposure : {0.02, 0.005}) {
+    for (const double exposure : {0.02, 0.005, 0.03, 0.015, 0.01, 0.025}) {
       options.exposure = exposure;
       AlignmentState state = stateAt(random);
       state.xi = exposure * random.tangent(0.3, 0.5);
       state.bend = exposure * exposure * random.tangent(5.0, 10.0);
-      AlignmentProblem problem(*scene.reference, scene.points, *scene.frame, level, kPattern, options, std::nullopt,
-                               state);
+      state.log_exposure = random.uniform(-0.3, 0.3);
+      std::optional<AlignmentPrior> prior;
+      if (informed) {
+        prior.emplace();
+        prior->xi = exposure * random.tangent(0.3, 0.5);
+        prior->xi_information.setConstant(1e6);
+        prior->turn_bend.setConstant(1e-3);
+        prior->turn_bend_information.setConstant(1e7);
+        prior->log_exposure_information = 100.0;
+      }
+      AlignmentProblem problem(*scene.reference, scene.points, *scene.frame, level, kPattern, options, prior, state);
       largest = largest.cwiseMax(expectGradientOfCost(problem, state, AlignmentProblem::kStates));
     }
   }
   EXPECT_GT(largest.minCoeff(), 0.1) << largest.transpose();
+}
+
+TEST(AlignmentProblem, GradientHoldsWithARollingShutter) {
+  expectGradientWithARollingShutter(false);
+  expectGradientWithARollingShutter(true);
 }
 
 TEST(AlignmentProblem, HessianIsSymmetricAndPredictsTheCostOfSmallSteps) {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -124,6 +126,42 @@ TEST(ExposureEstimator, LearnsNothingFromReferencesThatAreBlurredLikeTheFrames) 
     estimator.add(std::make_shared<Reference>(reference), std::make_shared<TrackedFrame>(swing.frames[i]), kExposure);
   }
   EXPECT_EQ(estimator.estimate(true, kEnd_ns).log_sigma, std::numeric_limits<double>::infinity());
+}
+
+/// A frame by a rolling shutter whose rows told the exposure. `alike`: the reference's own blur over that of the frame.
+std::pair<ReferenceConstPtr, std::shared_ptr<TrackedFrame>> byRows(double time, const ExposureSample& sample,
+                                                                   double alike) {
+  const SimulatedFrame view = test::roomView(40);
+  Reference reference = *test::makeReference(view, test::toFloat(view.sharp));
+  auto tracked = std::make_shared<TrackedFrame>();
+  PinholeCamera camera = test::roomSimulator().camera();
+  camera.row_time = 110e-6;
+  auto frame = std::make_shared<Frame>();
+  frame->pyramid = ImagePyramid(test::toFloat(view.sharp), camera, 1);
+  frame->mid_exposure_ns = std::llround(1e9 * time);
+  frame->exposure = sample.exposure;
+  tracked->frame = frame;
+  tracked->status = TrackingStatus::kTracking;
+  tracked->trajectory = {SE3(), kRate * kSwing, sample.exposure};
+  tracked->exposure_by_rows = sample;
+  reference.image_xi = alike * sample.exposure * kRate * kSwing;
+  return {std::make_shared<Reference>(reference), tracked};
+}
+
+TEST(ExposureEstimator, BelievesWhatRowsTellFrameByFrame) {
+  ExposureEstimator estimator{TrackerConfig()};
+  const auto now = [&](double time) { return estimator.exposureFor(std::nullopt, std::llround(1e9 * time)); };
+  const auto add = [&](double time, double exposure, double alike) {
+    const auto [reference, tracked] = byRows(time, {exposure, 0.03}, alike);
+    estimator.add(reference, tracked, std::nullopt);
+  };
+  add(1.0, kExposure, 1.3);
+  EXPECT_FALSE(now(1.0)) << "blurred along the reference's own, longer blur: it tells as little as that is known";
+  for (int i = 0; i < 10; ++i) add(1.0 + kInterval * i, kExposure * std::pow(0.95, i), 0.0);
+  EXPECT_NEAR(std::log(now(1.0 + 9 * kInterval).value_or(1.0) / kExposure), 9 * std::log(0.95) - 0.03, 0.03);
+  const double before = now(1.0 + 10 * kInterval).value_or(0.0);
+  add(1.0 + 10 * kInterval, 10.0, 0.0);
+  EXPECT_LT(now(1.0 + 10 * kInterval).value_or(1.0), std::hypot(before, kInterval)) << "longer than the interval";
 }
 
 TEST(ExposureEstimator, KeepsStillWhenToldTo) {

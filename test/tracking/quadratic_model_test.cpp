@@ -48,6 +48,8 @@ Sample randomSample(test::Random& random, bool rolling) {
   if (rolling) {
     // As PatchPathMaker has them: that of the middle row, which this row sees later.
     s.path.row = 0.7;
+    s.path.c1 << 3.0F, -2.0F;
+    s.path.c2 << 0.5F, 0.2F;
     s.path.J_xi_row = s.path.row * s.path.J_xi[0];
     s.path.J_xi[0] += s.path.row * s.path.J_xi[1];
   }
@@ -71,7 +73,8 @@ Eigen::Matrix<double, 1, kStates> derivative(const Sample& s, std::size_t k, boo
     const Matrix26 J0 = s.path.J_xi[0] - row * J1;
     const Eigen::Matrix<double, 1, 6> J_bend =
         0.5 * (row * row * g * J0 + ug * (2.0 * row * J0 + row * row * J1) + uug * (J0 + 2.0 * row * J1));
-    J.tail<3>() = -kGain * J_bend.tail<3>();
+    J.segment<3>(14) = -kGain * J_bend.tail<3>();
+    J(17) = -kGain * (ug * s.path.c1.cast<double>() + 2.0 * uug * s.path.c2.cast<double>()).value();
   }
   J(12) = -kGain * p.value[k];
   J(13) = -1.0;

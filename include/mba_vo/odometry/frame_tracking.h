@@ -67,6 +67,7 @@ class FrameTracking {
   /// With the exposure and the row time that are known by now.
   FrameConstPtr asKnownNow(const FrameConstPtr& frame) const;
   std::shared_ptr<TrackedFrame> align(const FrameConstPtr& given, const std::optional<CameraTurn>& turn) const;
+  FrameConstPtr withExposureKnownNow(const FrameConstPtr& frame) const;  // of one that nobody told
   void learnExposure(const std::shared_ptr<TrackedFrame>& tracked, const FrameConstPtr& given);
   void goOnFrom(const TrackedFrame& tracked);
   /// Through the poses that came with the new snapshot: map coordinates of different moments do not mix.

@@ -22,6 +22,7 @@ struct AlignmentState {
   double a = 0.0;
   double b = 0.0;
   Vector6 bend = Vector6::Zero();  // acceleration times the square of the exposure; its turn may be estimated
+  double log_exposure = 0.0;       // of the exposure that xi and the bend belong to, over that of the options
 };
 
 struct AlignmentOptions {
@@ -30,6 +31,7 @@ struct AlignmentOptions {
   int max_samples = 64;
   bool estimate_xi = true;          // false: the exposure is instantaneous, xi stays zero
   bool estimate_turn_bend = false;  // of a rolling shutter, whose rows tell it
+  bool estimate_exposure = false;   // likewise: rows tell the velocity, so the blur tells the exposure
   bool rotation_only = false;       // neither position nor linear velocity is estimated
   bool with_covariance = false;     // keep what it needs
   double exposure = 1.0;            // [s] that xi belongs to; matters to a rolling shutter alone
@@ -37,7 +39,7 @@ struct AlignmentOptions {
   double depth_noise = 3.0;      // [grey levels] pixel noise that the effect of depth uncertainty is compared with
 };
 
-/// Quadratic priors on the mid pose and on xi.
+/// Quadratic priors; those on xi and the bend are for the exposure of the options.
 struct AlignmentPrior {
   SE3 T_reference_mid;
   Vector6 pose_information = Vector6::Zero();
@@ -45,6 +47,7 @@ struct AlignmentPrior {
   Vector6 xi_information = Vector6::Zero();
   Eigen::Vector3d turn_bend = Eigen::Vector3d::Zero();
   Eigen::Vector3d turn_bend_information = Eigen::Vector3d::Zero();
+  double log_exposure_information = 0.0;
 };
 
 /// What the residuals say about the fit.
@@ -57,10 +60,12 @@ struct AlignmentStatistics {
 };
 
 /// Re-blurred patches of the reference against patches of the frame on one pyramid level (Eq. 7 of the paper): the
-/// problem that `minimize` solves. States: (delta of T_mid, epsilon of xi, a, b, turning part of the bend).
+/// problem that `minimize` solves. States: (delta of T_mid, epsilon of xi, a, b, turning part of the bend, log exposure at
+/// the velocity that xi means).
 class AlignmentProblem {
  public:
-  static constexpr int kStates = 17;
+  static constexpr int kStates = 18;
+  static constexpr int kLogExposure = 17;  // its place among them
   using Step = Eigen::Matrix<double, kStates, 1>;
 
   AlignmentProblem(const Reference& reference, const std::vector<int>& points, const Frame& frame, int level,
@@ -70,6 +75,7 @@ class AlignmentProblem {
   struct Equations : NormalEquations<kStates> {
     AlignmentStatistics statistics;
     std::vector<QuadraticModel::PatchGradient> patch_gradients;  // empty unless the covariance was asked for
+    double log_exposure_prior = 0.0;  // what its prior adds to the Hessian
     Step prior_scatter = Step::Zero();  // variance of the gradients of the priors, whose states are independent
 
     /// Covariance of the state at the minimum, H^-1 S H^-1 with the scatter S of the gradients of patches and priors,
@@ -107,6 +113,7 @@ class AlignmentProblem {
   void selectPatches(const AlignmentState& state);
   std::optional<Eigen::Vector2d> projectPoint(const ReferencePoint& point, const SE3& T_frame_reference,
                                               const BodyMotion& motion) const;
+  double imageMotion(const Vector6& motion) const;  // about [px on this level]
   ExposureTrajectory trajectoryOf(const AlignmentState& state) const;
   PatchPathMaker pathMaker(const AlignmentState& state) const;
   /// False if the path leaves the reference.
@@ -126,7 +133,8 @@ class AlignmentProblem {
   std::optional<AlignmentPrior> prior_;
   HuberLoss loss_;
   std::vector<Patch> patches_;
-  SE3 T_selected_;  // mid pose at which the patches were chosen
+  double blur_px_ = 0.0;  // when they were chosen, about
+  SE3 T_selected_;        // mid pose at which the patches were chosen
   double median_inverse_depth_ = 1.0;
 };
 

@@ -52,6 +52,7 @@ class ExposureEstimator {
     ExposureEstimate estimate;
   };
   int framesBetweenProbes(bool known) const;
+  void addByRows(const Reference& reference, const TrackedFrame& tracked);
   std::optional<ExposureSample> probeMiddle(const Reference& reference);
   static void update(Ratio& ratio);
   void updateHistory();

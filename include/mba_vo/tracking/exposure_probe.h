@@ -8,12 +8,6 @@
 
 namespace mba_vo {
 
-/// What the blur of one frame says about its exposure.
-struct ExposureSample {
-  double exposure = 0.0;   // with which the frame agrees best [s]
-  double log_sigma = 0.0;  // standard deviation of its logarithm
-};
-
 /// Tries exposures, at most `longest` [s]: with which does the frame, seen while moving with `velocity`, agree best
 /// with the reference? Those around the `expected` one are tried, or, where little is known of it, all of them: where
 /// the blur is wrong altogether, one that is a bit less wrong may be no better. The velocity has to come from
@@ -37,6 +31,9 @@ struct Passage {
 };
 
 Passage passageOf(const Reference& reference, const TrackedFrame& tracked, const Vector6& velocity, double interval);
+
+/// The same, as short as it may well be: too long an exposure does harm, too short a one does not.
+ExposureSample asShortAsMayBe(ExposureSample sample);
 
 /// probeExposure, with an honest standard deviation, which the path's own, `doubt_px`, is part of. `told`: the exposure
 /// that came with the frame, if any [s]; where none did, the sample is as short as it may well be: too long does harm.

@@ -12,11 +12,11 @@
 namespace mba_vo {
 
 /// Sums up the quadratic models of the patches, for the states (delta of T_mid, epsilon of xi, a, b, turning part of
-/// the bend). Plain padded arrays: the compiler turns their loops into vector instructions of the machine that it runs
+/// the bend, log exposure at a given velocity). Plain padded arrays: the compiler turns their loops into vector instructions of the machine that it runs
 /// on.
 class QuadraticModel {
  public:
-  static constexpr int kStates = 17;
+  static constexpr int kStates = 18;
   static constexpr int kColumns = 24;  // states padded to whole vectors
   using PatchGradient = std::array<double, kColumns>;
 
@@ -24,7 +24,7 @@ class QuadraticModel {
   explicit QuadraticModel(std::size_t kept_gradients = 0) { patch_gradients_.reserve(kept_gradients); }
 
   /// `gain`: e^a. `moving` false: xi is no state. `rolling`: the path has a J_xi_row, and the
-  /// bend is a state.
+  /// bend and the exposure are states.
   void add(const PatchSums& sums, const PatchPath& path, double gain, bool moving, bool rolling = false);
   void copyTo(NormalEquations<kStates>& equations) const;
   /// What each of the first patches added to the gradient, padded with zeros.

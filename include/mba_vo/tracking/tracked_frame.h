@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "mba_vo/image/frame.h"
@@ -31,6 +32,12 @@ struct ExposureEstimate {
   bool varies = false;  // the ratio is that of this frame alone
 };
 
+/// What the blur of one frame says about its exposure.
+struct ExposureSample {
+  double exposure = 0.0;   // with which the frame agrees best [s]
+  double log_sigma = 0.0;  // standard deviation of its logarithm
+};
+
 /// Result for one frame: tracker -> mapper. Every frame that came in makes exactly one of these.
 struct TrackedFrame {
   FrameConstPtr frame;
@@ -58,6 +65,7 @@ struct TrackedFrame {
   bool predicted = false;
   double tracking_ms = 0.0;
   ExposureEstimate exposure_estimate;  // with which it was tracked
+  std::optional<ExposureSample> exposure_by_rows;  // where a rolling shutter tells the velocity
   /// Where no exposure came with it: what is known by now of its own and of earlier ones; null = nothing.
   std::shared_ptr<const ExposureHistory> exposures;
 
