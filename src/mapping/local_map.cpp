@@ -45,6 +45,7 @@ LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initi
       next_keyframe_(place.keyframe),
       archives_departing_(config.loops.close) {
   window_.setCorrection(calibration_.correction());
+  if (!config_.refine_calibration) window_.settleCorrection();
   const FrameConstPtr& frame = initial.reference;
   addKeyframe(frame, windowKeyframe(frame, place.T_map_keyframe, reference_motion, place.brightness));
   for (const ReferencePoint& point : initial.points) {

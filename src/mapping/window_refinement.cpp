@@ -114,7 +114,10 @@ bool LocalMap::refineImaging(KeyframeReport& report) {
   if (static_cast<int>(keyframes_.size()) < kCalibrationKeyframes) return false;
   if (refinement_.calibration_steps >= kCalibrationSteps) return false;
   report.calibration = {calibration_.correction(), window_.refineRowMotions()};
-  if (!config_.refine_calibration || !calibration_.add(report.calibration->system)) return false;
+  if (!config_.refine_calibration || !calibration_.add(report.calibration->system)) {
+    if (calibration_.isSettled()) window_.settleCorrection();
+    return false;
+  }
   ++refinement_.calibration_steps;
   window_.setCorrection(calibration_.correction());
   window_.beginOptimization(config_.window.max_iterations);

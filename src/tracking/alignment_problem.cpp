@@ -129,8 +129,12 @@ bool AlignmentProblem::refresh(const AlignmentState& state) {
 }
 
 AlignmentState AlignmentProblem::plus(const AlignmentState& state, const Step& step) {
-  AlignmentState next{state.T_reference_mid * SE3::exp(step.head<6>()), state.xi + step.segment<6>(6),
-                      state.a + step(12), state.b + step(13), state.bend, state.log_exposure + step(kLogExposure)};
+  AlignmentState next{state.T_reference_mid * SE3::exp(step.head<6>()),
+                      state.xi + step.segment<6>(6),
+                      state.a + step(12),
+                      state.b + step(13),
+                      state.bend,
+                      state.log_exposure + step(kLogExposure)};
   next.bend.tail<3>() += step.segment<3>(14);
   const double longer = std::exp(step(kLogExposure));  // at the same velocity and acceleration
   next.xi *= longer;

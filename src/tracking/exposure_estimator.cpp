@@ -24,14 +24,14 @@ constexpr double kLikeReference = 0.8;
 // The same where rows tell the velocity: from frame to keyframe to frame an error grows from there on. Values of
 // these four: docs/decisions/2026-11-28-exposures-by-rows.md.
 constexpr double kMostAlike = 1.2;
-constexpr double kReferenceSigma = 0.1;   // of the logarithm of the reference's exposure
-constexpr double kRowsSigma = 0.1;        // [px] of blur, that path and patches have wrong
-constexpr double kLargestRowsSigma = 0.7; // of log exposure; a sample that tells less is none
-constexpr int kLeastUnknownSamples = 1;  // from which on they are better than the assumed exposure
-constexpr double kWrong = 0.2;           // |log ratio| from which on exposures that came are not believed
-constexpr double kRightAgain = 0.1;      // the same, until which they are not
-constexpr double kSignificance = 4.0;    // standard deviations
-constexpr double kCommon = 2.0;          // the same of one sample, for what all have wrong alike does not average out
+constexpr double kReferenceSigma = 0.1;    // of the logarithm of the reference's exposure
+constexpr double kRowsSigma = 0.1;         // [px] of blur, that path and patches have wrong
+constexpr double kLargestRowsSigma = 0.7;  // of log exposure; a sample that tells less is none
+constexpr int kLeastUnknownSamples = 1;    // from which on they are better than the assumed exposure
+constexpr double kWrong = 0.2;             // |log ratio| from which on exposures that came are not believed
+constexpr double kRightAgain = 0.1;        // the same, until which they are not
+constexpr double kSignificance = 4.0;      // standard deviations
+constexpr double kCommon = 2.0;            // the same of one sample, for what all have wrong alike does not average out
 constexpr double kMedianSigma = 1.2533 * 1.4826;  // of a median, over median deviation / sqrt(samples)
 
 double seconds(const TrackedFrame& from, const TrackedFrame& to) {
@@ -119,11 +119,12 @@ void ExposureEstimator::addByRows(const Reference& reference, const TrackedFrame
   const Passage passage = passageOf(reference, tracked, trajectory.velocity, trajectory.exposure);
   if (std::abs(passage.alike) > kMostAlike) return;
   ExposureSample sample = *tracked.exposure_by_rows;
-  sample.log_sigma = std::hypot(sample.log_sigma, kRowsSigma / passage.path_px,
-                                kReferenceSigma * passage.alike * passage.alike);
+  sample.log_sigma =
+      std::hypot(sample.log_sigma, kRowsSigma / passage.path_px, kReferenceSigma * passage.alike * passage.alike);
   if (!(sample.log_sigma < kLargestRowsSigma)) return;
   // None is longer than the time since the image before.
-  if (history_) sample.exposure = std::min(sample.exposure, tracked.frame->midExposureSeconds() - history_->newestTime());
+  if (history_)
+    sample.exposure = std::min(sample.exposure, tracked.frame->midExposureSeconds() - history_->newestTime());
   if (sample.exposure > 0.0) learn(tracked.frame->mid_exposure_ns, asShortAsMayBe(sample));
 }
 

@@ -29,8 +29,8 @@ constexpr double kRelativeXiError = 0.006;  // of the blur: the motion of a long
 constexpr double kFollowResiduals = 0.0;    // in place of a Huber threshold: one that suits them
 constexpr double kLeastShare = 0.02;        // of an estimate, that the image tells: with less it tells nothing
 
-/// The log exposure that was found lies between the expected one and the one that the image tells: the more of it is the
-/// image's, the nearer to that.
+/// The log exposure that was found lies between the expected one and the one that the image tells: the more of it is
+/// the image's, the nearer to that.
 std::optional<ExposureSample> exposureByRows(double expected, const AlignmentState& state,
                                              const AlignmentProblem::Equations& equations) {
   constexpr int kState = AlignmentProblem::kLogExposure;

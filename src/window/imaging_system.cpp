@@ -259,4 +259,17 @@ CalibrationSystem refineRowMotions(WindowState& state, const WindowLinearizer& l
   return imaging.calibration;
 }
 
+CalibrationCoupling calibrationCoupling(WindowState& state, const WindowLinearizer& linearizer,
+                                        const std::vector<int>& points, std::size_t stride) {
+  std::vector<int> chosen;
+  for (std::size_t i = 0; i < points.size(); i += stride) chosen.push_back(points[i]);
+  WindowEvaluation evaluation;
+  linearizer.evaluate(state, chosen, evaluation);
+  const Layout layout{state.size(), false};
+  ReducedSystem reduced;
+  SchurComplement().reduce(assemble(state, evaluation, layout, 0.0), 0.0, reduced);
+  const double share = static_cast<double>(chosen.size()) / static_cast<double>(points.size());
+  return reduced.H.block(0, layout.correction(), layout.correction(), kCorrectionDim) / share;
+}
+
 }  // namespace mba_vo

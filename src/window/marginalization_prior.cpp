@@ -26,6 +26,7 @@ void MarginalizationPrior::appendKeyframe() {
   const Eigen::Index n = b_.size();
   H_.conservativeResizeLike(Eigen::MatrixXd::Zero(n + kKeyframeDim, n + kKeyframeDim));
   b_.conservativeResizeLike(Eigen::VectorXd::Zero(n + kKeyframeDim));
+  coupling_.conservativeResizeLike(CalibrationCoupling::Zero(n + kKeyframeDim, CalibrationCorrection::kDim));
   connected_.push_back(false);
 }
 
@@ -70,6 +71,8 @@ void MarginalizationPrior::marginalize(int keyframe) {
   const Eigen::MatrixXd gain = H_kept_out * pseudoInverse(H.block<kKeyframeDim, kKeyframeDim>(at, at));
   Eigen::MatrixXd H_new = H(rows, rows) - gain * H_kept_out.transpose();
   const Eigen::VectorXd b_new = b(rows) - gain * b.segment<kKeyframeDim>(at);
+  const CalibrationCoupling coupling = scale.asDiagonal() * coupling_;
+  const CalibrationCoupling coupling_new = coupling(rows, Eigen::all) - gain * coupling.middleRows<kKeyframeDim>(at);
 
   for (int k = 0; k < keyframes(); ++k) {
     if (H_.block<6, kKeyframeDim>(kKeyframeDim * k, at).squaredNorm() > 0.0) connect(k);
@@ -78,6 +81,7 @@ void MarginalizationPrior::marginalize(int keyframe) {
   H_new = (unscale.asDiagonal() * H_new * unscale.asDiagonal()).eval();
   H_ = 0.5 * (H_new + H_new.transpose());
   b_ = unscale.asDiagonal() * b_new;
+  coupling_ = unscale.asDiagonal() * coupling_new;
   connected_.erase(connected_.begin() + keyframe);
 }
 

@@ -16,14 +16,13 @@
 #include "mba_vo/window/window_optimizer.h"
 #include "mba_vo/window/window_point_activation.h"
 #include "mba_vo/window/window_points.h"
+#include "mba_vo/window/window_prior.h"
 
 namespace mba_vo {
 namespace {
 
-// Gauge: nothing observes the first keyframe's pose and the first window's scale; any strong prior holds them.
-constexpr double kPoseAnchor = 1e10;        // information of the first pose [1/m^2, 1/rad^2]
-constexpr double kScalePrior = 1e10;        // information of the log of the scale
-constexpr double kBrightnessAnchor = 1e10;  // information of the first keyframe's a and b
+// Gauge: nothing observes the first window's scale; any strong prior holds it.
+constexpr double kScalePrior = 1e10;  // information of the log of the scale
 
 ResidualOptions residualOptions(const WindowConfig& config) {
   ResidualOptions options;
@@ -101,22 +100,10 @@ void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
       throw std::invalid_argument("window: keyframe " + std::to_string(keyframe.id) + " is already in it");
     }
   }
-  const bool first = state_.keyframes.empty();
   pairs_.clear();
   state_.keyframes.push_back(stateOf(keyframe));
   state_.prior.appendKeyframe();
-  const int index = state_.size() - 1;
-  Vector8 information = Vector8::Zero();
-  Vector8 deviation = Vector8::Zero();
-  if (first) {
-    information << Vector6::Constant(kPoseAnchor), kBrightnessAnchor, kBrightnessAnchor;
-    state_.prior.connect(index);
-  } else {
-    information(6) = std::pow(config_.brightness_gain_sigma, -2.0);
-    information(7) = std::pow(config_.brightness_offset_sigma, -2.0);
-    deviation.tail<2>() << keyframe.brightness.a, keyframe.brightness.b;
-  }
-  state_.prior.addDiagonal(index, information, deviation);
+  addPriorOf(state_.size() - 1, config_, state_);
 }
 
 PointId Window::Impl::insert(PointState point) {
@@ -252,10 +239,21 @@ WindowSummary Window::optimize(int max_iterations) {
 }
 
 void Window::setCorrection(const CalibrationCorrection& correction) {
+  const bool first = !impl_->correction_.correctsLens() && correction.correctsLens();
+  if (first && impl_->state_.size() > 1) {
+    beginPriorAnew(impl_->config_, impl_->state_);
+    impl_->scale_prior_ = ScalePrior(kScalePrior);
+    impl_->scale_prior_chosen_ = false;
+  } else {
+    impl_->state_.prior.correctCalibration(correction.values - impl_->correction_.values);
+  }
+  impl_->state_.correction_settled = false;
   impl_->correction_ = correction;
   for (KeyframeState& k : impl_->state_.keyframes) k.lacking = k.correction.lacks(correction);
   impl_->pairs_.clear();
 }
+
+void Window::settleCorrection() { impl_->state_.correction_settled = true; }
 
 CalibrationSystem Window::refineRowMotions() {
   impl_->pairs_.clear();

@@ -2,7 +2,14 @@
 
 #include <algorithm>
 
+#include "mba_vo/window/imaging_system.h"
+
 namespace mba_vo {
+namespace {
+
+constexpr std::size_t kCouplingStride = 4;  // of the points: as good as with 1 on webcams, and a fourth of the time
+
+}  // namespace
 
 bool WindowMarginalizer::wellObserved(const WindowState& state, const PointState& point) const {
   return state.goodResiduals(point) >= std::min(options_.min_good_residuals, state.size() - 1) &&
@@ -35,6 +42,9 @@ void WindowMarginalizer::marginalizePoints(WindowState& state, const std::vector
     SchurComplement().reduce(system, 0.0, reduced);
     // The gradient was taken at the current deviations; the prior keeps it at the linearisation points.
     state.prior.add(reduced.H, reduced.b - reduced.H * state.deltas());
+    if (!state.correction_settled) {
+      state.prior.addCalibrationCoupling(calibrationCoupling(state, linearizer_, kept, kCouplingStride));
+    }
     connectObservers(state, kept);
   }
   std::vector<bool> leaves(state.points.size(), false);

@@ -1,11 +1,15 @@
 #include "mba_vo/window/imaging_system.h"
 
 #include <cmath>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 
+#include "mba_vo/window/schur_complement.h"
+#include "support/jacobian.h"
 #include "support/random.h"
 #include "window/bilinear_window.h"
 #include "window/planar_scene.h"
@@ -172,6 +176,31 @@ TEST(ImagingSystem, EvidenceAndGradientAgreeUnderARollingShutter) {
     const CalibrationSystem right = systemWith(0.0), wrong = systemWith(kWrong);
     EXPECT_NEAR((wrong.b(number) - right.b(number)) / right.H(number, number), kWrong, 0.2 * kWrong) << number;
   }
+}
+
+TEST(ImagingSystem, CouplingIsHowGradientsChangeWithTheCorrection) {
+  Random random(4);
+  RollingWindow window(random);
+  const WindowLinearizer linearizer(smoothOptions(), true);
+  linearizer.placePixels(window.state, 0.75F);
+  std::vector<int> points(window.state.points.size());
+  std::iota(points.begin(), points.end(), 0);
+  const auto gradient = [&](const Eigen::VectorXd& correction) -> Eigen::VectorXd {
+    WindowState state = window.state;
+    for (KeyframeState& keyframe : state.keyframes) keyframe.lacking.values = correction;
+    LinearizedWindow system;
+    linearizer.linearize(state, points, system);
+    ReducedSystem reduced;
+    SchurComplement().reduce(system, 0.0, reduced);
+    return reduced.b;
+  };
+  const Eigen::MatrixXd numeric = numericJacobian(gradient, CalibrationCorrection::kDim, 3e-4);
+  const CalibrationCoupling coupling = calibrationCoupling(window.state, linearizer, points, 1);
+  for (int i = 0; i < CalibrationCorrection::kDim; ++i) {
+    EXPECT_LT((coupling.col(i) - numeric.col(i)).norm(), 0.15 * numeric.col(i).norm()) << "number " << i;
+  }
+  const CalibrationCoupling fewer = calibrationCoupling(window.state, linearizer, points, 4);
+  EXPECT_LT((fewer - coupling).norm(), 0.4 * coupling.norm());
 }
 
 TEST(ImagingSystem, RightVelocitiesStay) {

@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <functional>
+#include <numeric>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -27,9 +30,29 @@ class SlidingRun {
  public:
   explicit SlidingRun(const WindowConfig& config) : window_(config, true), max_keyframes_(config.max_keyframes) {}
 
+  /// The focal length is taken for 3 % too long, until it is corrected with keyframe `when`.
+  void correctFocalLength(KeyframeId when) {
+    told_.fx *= 1.03;
+    told_.fy *= 1.03;
+    correct_with_ = when;
+  }
+  /// A small correction before there is anything, and no other expected.
+  void settle(bool settled) {
+    CalibrationCorrection small;
+    small.values(CalibrationCorrection::kFocal) = 1e-9;
+    window_.setCorrection(small);
+    settled_ = settled;
+  }
+
   std::vector<SE3> run() {
     for (KeyframeId id = 0; id < kKeyframes; ++id) {
       addKeyframe(id);
+      if (settled_ && id < correct_with_) window_.settleCorrection();
+      if (id == correct_with_) {
+        CalibrationCorrection right;
+        right.values(CalibrationCorrection::kFocal) = 1.0 / 1.03 - 1.0;
+        window_.setCorrection(right);
+      }
       if (id < 2) continue;
       optimize(10);
       activatePoints(id - 1);
@@ -72,7 +95,7 @@ class SlidingRun {
               SE3::exp(random_.tangent(0.004, 0.002));
     }
     poses_.push_back(guess);
-    const auto image = test::pyramidOf(scene_.render(camera_, truth_.back()), camera_);
+    const auto image = test::pyramidOf(scene_.render(camera_, truth_.back()), told_);
     window_.addKeyframe({id, image, image, guess, Vector6::Zero(), Vector6::Zero(), {}});
     window_.addResidualsTo(id);
     if (id == 0) forEachPoint(id, [&](const Eigen::Vector2d& x, double d) { window_.addPoint(id, x, d); });
@@ -97,6 +120,9 @@ class SlidingRun {
 
   PlanarScene scene_ = PlanarScene::corner();
   PinholeCamera camera_ = test::smallCamera();
+  PinholeCamera told_ = camera_;
+  KeyframeId correct_with_ = kKeyframes;  // never
+  bool settled_ = false;
   test::Random random_{5};
   Window window_;
   int max_keyframes_;
@@ -119,6 +145,33 @@ TEST(WindowSequence, MarginalizationKeepsEstimatesConsistent) {
     EXPECT_LT(*std::max_element(errors.begin(), errors.end()), 4e-3) << "window of " << size;
     EXPECT_LE(run.largestWindow(), static_cast<std::size_t>(size));
   }
+}
+
+/// Mean position error of the keyframes from the correction of the calibration on.
+double errorAfterCorrection(const std::function<void(SlidingRun&)>& prepare) {
+  constexpr KeyframeId kCorrected = 9;
+  WindowConfig config;
+  config.max_keyframes = config.min_keyframes = 5;
+  SlidingRun run(config);
+  prepare(run);
+  run.correctFocalLength(kCorrected);
+  const std::vector<SE3> poses = run.run();
+  std::vector<SE3> truth, found;
+  for (KeyframeId i = kCorrected; i < kKeyframes; ++i) {
+    truth.push_back(poseAt(i));
+    found.push_back(poses[i]);
+  }
+  const std::vector<double> errors = test::alignedPositionErrors(truth, found);
+  return std::accumulate(errors.begin(), errors.end(), 0.0) / static_cast<double>(errors.size());
+}
+
+TEST(WindowSequence, WhatWasMarginalizedFollowsTheCalibration) {
+  const double forgotten = errorAfterCorrection([](SlidingRun&) {});
+  const double followed = errorAfterCorrection([](SlidingRun& run) { run.settle(false); });
+  const double left = errorAfterCorrection([](SlidingRun& run) { run.settle(true); });
+  EXPECT_LT(followed, 1e-3);
+  EXPECT_LT(forgotten, 1e-3);
+  EXPECT_GT(left, 1.5 * std::max(followed, forgotten));
 }
 
 TEST(WindowSequence, OptimisationsLeaveTheWindowWhereItIs) {

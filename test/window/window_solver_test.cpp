@@ -96,6 +96,26 @@ TEST(MarginalizationPrior, KeepsTheMinimumOfTheJointProblem) {
   for (int k = 0; k < 3; ++k) EXPECT_TRUE(prior.connected(k));
 }
 
+TEST(MarginalizationPrior, FollowsTheCalibrationAsTheJointProblemWould) {
+  test::Random random(7);
+  MarginalizationPrior prior;
+  for (int i = 0; i < 3; ++i) prior.appendKeyframe();
+  const Eigen::MatrixXd J = random.matrix(60, 24);
+  const CalibrationCoupling coupling = random.matrix(24, CalibrationCorrection::kDim);
+  prior.add(J.transpose() * J, random.matrix(24, 1));
+  prior.addCalibrationCoupling(coupling);
+  const CalibrationCorrection::Vector step = random.matrix(CalibrationCorrection::kDim, 1);
+  MarginalizationPrior corrected_first = prior;
+  corrected_first.correctCalibration(step);
+  EXPECT_LT((corrected_first.b() - prior.b() - coupling * step).norm(), 1e-12 * prior.b().norm());
+  corrected_first.marginalize(1);
+  prior.marginalize(1);
+  const Eigen::VectorXd before = prior.b();
+  prior.correctCalibration(step);
+  EXPECT_GT((prior.b() - before).norm(), 0.1 * before.norm());
+  EXPECT_LT((prior.b() - corrected_first.b()).norm(), 1e-9 * before.norm());
+}
+
 TEST(MarginalizationPrior, KeyframeWithoutInformationLeavesNoTrace) {
   MarginalizationPrior prior;
   for (int i = 0; i < 2; ++i) prior.appendKeyframe();

@@ -21,6 +21,7 @@ class CalibrationEstimator {
 
   /// The last correction that one window after the other has left as it is, for a while; nullopt if there was none.
   const std::optional<CalibrationCorrection>& settled() const { return settled_; }
+  bool isSettled() const { return settled_ && *settled_ == correction_; }
 
   /// Adds what a window says about errors left by the present correction. True if the correction changed.
   bool add(const CalibrationSystem& system);

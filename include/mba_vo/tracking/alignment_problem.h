@@ -60,8 +60,8 @@ struct AlignmentStatistics {
 };
 
 /// Re-blurred patches of the reference against patches of the frame on one pyramid level (Eq. 7 of the paper): the
-/// problem that `minimize` solves. States: (delta of T_mid, epsilon of xi, a, b, turning part of the bend, log exposure at
-/// the velocity that xi means).
+/// problem that `minimize` solves. States: (delta of T_mid, epsilon of xi, a, b, turning part of the bend, log exposure
+/// at the velocity that xi means).
 class AlignmentProblem {
  public:
   static constexpr int kStates = 18;
@@ -75,7 +75,7 @@ class AlignmentProblem {
   struct Equations : NormalEquations<kStates> {
     AlignmentStatistics statistics;
     std::vector<QuadraticModel::PatchGradient> patch_gradients;  // empty unless the covariance was asked for
-    double log_exposure_prior = 0.0;  // what its prior adds to the Hessian
+    double log_exposure_prior = 0.0;                             // what its prior adds to the Hessian
     Step prior_scatter = Step::Zero();  // variance of the gradients of the priors, whose states are independent
 
     /// Covariance of the state at the minimum, H^-1 S H^-1 with the scatter S of the gradients of patches and priors,

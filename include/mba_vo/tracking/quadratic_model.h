@@ -12,8 +12,8 @@
 namespace mba_vo {
 
 /// Sums up the quadratic models of the patches, for the states (delta of T_mid, epsilon of xi, a, b, turning part of
-/// the bend, log exposure at a given velocity). Plain padded arrays: the compiler turns their loops into vector instructions of the machine that it runs
-/// on.
+/// the bend, log exposure at a given velocity). Plain padded arrays: the compiler turns their loops into vector
+/// instructions of the machine that it runs on.
 class QuadraticModel {
  public:
   static constexpr int kStates = 18;

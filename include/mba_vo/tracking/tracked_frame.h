@@ -64,7 +64,7 @@ struct TrackedFrame {
   /// from a moment ago. A pose to be published, as DEGRADED, and no measurement for the map.
   bool predicted = false;
   double tracking_ms = 0.0;
-  ExposureEstimate exposure_estimate;  // with which it was tracked
+  ExposureEstimate exposure_estimate;              // with which it was tracked
   std::optional<ExposureSample> exposure_by_rows;  // where a rolling shutter tells the velocity
   /// Where no exposure came with it: what is known by now of its own and of earlier ones; null = nothing.
   std::shared_ptr<const ExposureHistory> exposures;

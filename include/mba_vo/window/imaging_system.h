@@ -23,4 +23,9 @@ ImagingSystem linearizeImaging(WindowState& state, const WindowLinearizer& linea
 /// what else they say: errors left in the calibration.
 CalibrationSystem refineRowMotions(WindowState& state, const WindowLinearizer& linearizer);
 
+/// By how much gradients at the keyframes' states, with the depths of `points` (at least one) eliminated, change with
+/// the correction of the calibration: as every `stride`-th of them says.
+CalibrationCoupling calibrationCoupling(WindowState& state, const WindowLinearizer& linearizer,
+                                        const std::vector<int>& points, std::size_t stride);
+
 }  // namespace mba_vo

@@ -159,8 +159,11 @@ class Window {
   WindowSummary endOptimization();
 
   /// The correction of the calibration that all images should have been made with; the window makes up for the
-  /// difference.
+  /// difference. What was marginalised follows; all of it is forgotten with the first correction of the geometry, as
+  /// what was seen by a wrong one is wrong by more than small steps mend.
   void setCorrection(const CalibrationCorrection& correction);
+  /// No other correction is expected: what is marginalised from now on need not follow one.
+  void settleCorrection();
   /// Moves the velocities of keyframes whose rows were read one after the other to where the residuals want them.
   /// Returns what else they say about how the images came about: errors left in the calibration.
   CalibrationSystem refineRowMotions();

@@ -94,6 +94,7 @@ struct WindowState {
   std::vector<KeyframeState> keyframes;  // by age, oldest first
   std::vector<PointState> points;
   MarginalizationPrior prior;
+  bool correction_settled = false;  // what is marginalised need not follow corrections of the calibration
 
   int size() const { return static_cast<int>(keyframes.size()); }
   KeyframeState& keyframe(int i) { return keyframes[static_cast<std::size_t>(i)]; }
