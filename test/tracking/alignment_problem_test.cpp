@@ -20,7 +20,7 @@ const PatchPattern kPattern = PatchPattern::square(9);  // the problem keeps a r
 AlignmentOptions smoothOptions() {
   AlignmentOptions options;
   options.huber_threshold = 1e4;     // all pixels are inliers
-  options.sample_spacing_px = 0.05;  // so that the number of samples is always max_samples
+  options.sample_spacing_px = 1e-3;  // so that the number of samples is always max_samples
   options.max_samples = 32;
   return options;
 }
@@ -44,10 +44,14 @@ Eigen::VectorXd expectGradientOfCost(AlignmentProblem& problem, const AlignmentS
                                      int states = kOfGlobalShutter) {
   constexpr double kTolerance = 0.03;  // the path is quadratic in u, its derivatives linear
   const auto equations = problem.linearize(state);
+  // Paths have single precision: the exposure, of no unit, takes longer steps to move them by as much.
+  AlignmentProblem::Step unit = AlignmentProblem::Step::Ones();
+  unit(AlignmentProblem::kLogExposure) = 50.0;
   const auto cost = [&](const Eigen::VectorXd& d) {
-    return Eigen::VectorXd::Constant(1, problem.linearize(AlignmentProblem::plus(state, d)).cost);
+    return Eigen::VectorXd::Constant(1, problem.linearize(AlignmentProblem::plus(state, unit.cwiseProduct(d))).cost);
   };
-  const Eigen::MatrixXd numeric = test::numericJacobian(cost, AlignmentProblem::kStates, 2e-4);
+  const Eigen::MatrixXd numeric =
+      test::numericJacobian(cost, AlignmentProblem::kStates, 2e-4) * unit.cwiseInverse().asDiagonal();
   for (int i = 0; i < states; ++i) {
     const double scale = std::sqrt(equations.hessian(i, i) * equations.cost);
     EXPECT_NEAR(equations.gradient(i) / scale, numeric(0, i) / scale, kTolerance) << "state " << i;
