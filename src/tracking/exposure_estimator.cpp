@@ -123,8 +123,8 @@ void ExposureEstimator::addByRows(const Reference& reference, const TrackedFrame
       std::hypot(sample.log_sigma, kRowsSigma / passage.path_px, kReferenceSigma * passage.alike * passage.alike);
   if (!(sample.log_sigma < kLargestRowsSigma)) return;
   // None is longer than the time since the image before.
-  if (history_)
-    sample.exposure = std::min(sample.exposure, tracked.frame->midExposureSeconds() - history_->newestTime());
+  const double time = tracked.frame->midExposureSeconds();
+  if (history_) sample.exposure = std::min(sample.exposure, time - history_->newestTime());
   if (sample.exposure > 0.0) learn(tracked.frame->mid_exposure_ns, asShortAsMayBe(sample));
 }
 

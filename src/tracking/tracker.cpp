@@ -6,6 +6,7 @@
 
 #include "mba_vo/solver/levenberg_marquardt.h"
 #include "mba_vo/tracking/expected_error.h"
+#include "mba_vo/tracking/exposure_by_rows.h"
 #include "mba_vo/tracking/frame_measures.h"
 #include "tracker_job.h"
 
@@ -27,21 +28,6 @@ constexpr double kCommonPoseError = 0.015;  // [px] std. deviation of what all p
 constexpr double kCommonXiError = 0.1;      // interpolation does; found with bench/tracking_study
 constexpr double kRelativeXiError = 0.006;  // of the blur: the motion of a long path is not quite what is modelled
 constexpr double kFollowResiduals = 0.0;    // in place of a Huber threshold: one that suits them
-constexpr double kLeastShare = 0.02;        // of an estimate, that the image tells: with less it tells nothing
-
-/// The log exposure that was found lies between the expected one and the one that the image tells: the more of it is
-/// the image's, the nearer to that.
-std::optional<ExposureSample> exposureByRows(double expected, const AlignmentState& state,
-                                             const AlignmentProblem::Equations& equations) {
-  constexpr int kState = AlignmentProblem::kLogExposure;
-  const double prior = equations.log_exposure_prior;
-  if (prior == 0.0) return std::nullopt;
-  const double share = 1.0 - prior * equations.hessian.inverse()(kState, kState);
-  if (share < kLeastShare) return std::nullopt;
-  const double of_prior = equations.prior_scatter(kState) / (prior * prior);
-  const double variance = equations.covariance()(kState, kState) - (1.0 - share) * (1.0 - share) * of_prior;
-  return ExposureSample{expected * std::exp(state.log_exposure / share), std::sqrt(std::max(variance, 0.0)) / share};
-}
 
 }  // namespace
 

@@ -67,8 +67,8 @@ std::optional<AlignmentPrior> Tracker::priorFor(const Job& job, const AlignmentS
     const double sigma = exposure * exposure * kRowsAngularAcceleration;
     prior.turn_bend = bendFor(job, state).tail<3>() * std::exp(-2.0 * state.log_exposure);
     prior.turn_bend_information.setConstant(1.0 / (sigma * sigma));
-    if (config_.estimate_exposure && job.untold() > 0.0)
-      prior.log_exposure_information = 1.0 / (job.untold() * job.untold());
+    const double untold = config_.estimate_exposure ? job.untold() : 0.0;
+    if (untold > 0.0) prior.log_exposure_information = 1.0 / (untold * untold);
   }
   prior.xi = motion->expectedXi(state.T_reference_mid, exposure);
   const double doubt = job.rolling ? 0.0 : job.untold();  // rows tell a velocity without an exposure

@@ -147,51 +147,64 @@ TEST(RollingTracker, FindsHowATurnChangesAgainstWhatIsExpected) {
   EXPECT_LT(missed, 0.6);  // four standard deviations of the prior, in a small image
 }
 
+/// A frame by rows as slow as a webcam's, and what is known of its motion before it is looked at.
+struct UntoldExposure {
+  static constexpr double kRows = 110e-6;          // [s] 240 in 26 ms
+  static constexpr double kInterval = 1.0 / 30.0;  // [s]
+  SE3 T_reference_mid;
+  Vector6 velocity;
+  Frame frame;
+
+  UntoldExposure(unsigned seed, double exposure) {
+    SimulationConfig config = test::roomConfig();
+    config.row_time = kRows;
+    test::Random random(seed);
+    velocity = random.tangent(0.3, 1.0);
+    T_reference_mid = random.pose(0.05, 0.04);
+    const SimulatedFrame rendered =
+        Simulator(config, sharedRoom())
+            .renderExposure(test::constantVelocity(referenceView().T_world_mid * T_reference_mid, velocity), 0.0,
+                            exposure, seed);
+    PinholeCamera camera = test::roomSimulator().camera();
+    camera.row_time = kRows;
+    frame.pyramid = ImagePyramid(test::toFloat(rendered.blurred), camera, 5);
+  }
+
+  TrackedFrame track(const std::optional<double>& expected, double log_sigma) const {
+    auto given = std::make_shared<Frame>(frame);
+    given->exposure = expected;
+    given->exposure_log_sigma = log_sigma;
+    const double exposure = expected.value_or(TrackerConfig().unknown_exposure);
+    MotionPrior prior;
+    prior.dt = kInterval;
+    prior.previous = {T_reference_mid * SE3::exp(-kInterval * velocity), velocity, exposure};
+    return Tracker({}).track(*reference(), given, TrackingGuess(prior, exposure));
+  }
+};
+
+constexpr double kUntoldSigma = 0.5;  // of log exposure
+
 /// Rows tell how fast the camera moves, so the blur tells for how long it was exposed, whatever was expected.
 TEST(RollingTracker, FindsTheExposureThatNobodyTold) {
-  constexpr double kExposure = 0.02;        // [s]
-  constexpr double kSlowRows = 110e-6;      // [s] 240 in 26 ms, as a webcam
-  constexpr double kInterval = 1.0 / 30.0;  // [s]
-  constexpr double kLogSigma = 0.5;
-  SimulationConfig config = test::roomConfig();
-  config.row_time = kSlowRows;
-  const Simulator simulator(config, sharedRoom());
-  PinholeCamera camera = test::roomSimulator().camera();
-  camera.row_time = kSlowRows;
+  constexpr double kExposure = 0.02;  // [s]
   double worst = 0.0;
   for (unsigned seed = 1; seed <= kCases; ++seed) {
-    test::Random random(seed);
-    BodyMotion motion{random.tangent(0.3, 1.0)};
-    const SE3 T_reference_mid = random.pose(0.05, 0.04);
-    const SE3 T_world_mid = referenceView().T_world_mid * T_reference_mid;
-    const SimulatedFrame rendered = simulator.renderExposure(
-        [&](double t) { return T_world_mid * SE3::exp(motion.until(t)); }, 0.0, kExposure, seed);
-    const auto track = [&](const std::optional<double>& exposure, double log_sigma) {
-      auto frame = std::make_shared<Frame>(*test::makeFrame(test::toFloat(rendered.blurred), 0, 0.0));
-      frame->exposure = exposure;
-      frame->exposure_log_sigma = log_sigma;
-      frame->pyramid = ImagePyramid(test::toFloat(rendered.blurred), camera, 5);
-      MotionPrior prior;
-      prior.dt = kInterval;
-      const double expected = exposure.value_or(TrackerConfig().unknown_exposure);
-      prior.previous = {T_reference_mid * SE3::exp(-kInterval * motion.velocity), motion.velocity, expected};
-      return Tracker({}).track(*reference(), frame, TrackingGuess(prior, expected));
-    };
-    const Eigen::Vector3d turn = motion.velocity.tail<3>();
+    const UntoldExposure untold(seed, kExposure);
+    const Eigen::Vector3d turn = untold.velocity.tail<3>();
     for (const double wrong : {0.4, 0.7, 1.5}) {
-      const TrackedFrame tracked = track(wrong * kExposure, kLogSigma);
+      const TrackedFrame tracked = untold.track(wrong * kExposure, kUntoldSigma);
       ASSERT_TRUE(tracked.exposure_by_rows) << "seed " << seed;
       const double error = std::log(tracked.exposure_by_rows->exposure / kExposure);
       worst = std::max(worst, std::abs(error));
       EXPECT_LT(tracked.exposure_by_rows->log_sigma, 0.1);
       EXPECT_NEAR(std::log(tracked.trajectory.exposure / kExposure), error, 0.1) << "little is the expectation's";
       EXPECT_LT((tracked.trajectory.velocity.tail<3>() - turn).norm(), 0.1 * turn.norm());
-      EXPECT_LT(test::meanReprojectionError(referenceView().depth, T_reference_mid, tracked.trajectory.T_reference_mid),
-                0.05)
+      const SE3& found = tracked.trajectory.T_reference_mid;
+      EXPECT_LT(test::meanReprojectionError(referenceView().depth, untold.T_reference_mid, found), 0.05)
           << "seed " << seed << ", taken for " << wrong << " times as long";
     }
-    EXPECT_TRUE(track(std::nullopt, 0.0).exposure_by_rows);
-    const TrackedFrame told = track(0.7 * kExposure, 0.0);
+    EXPECT_TRUE(untold.track(std::nullopt, 0.0).exposure_by_rows);
+    const TrackedFrame told = untold.track(0.7 * kExposure, 0.0);
     EXPECT_FALSE(told.exposure_by_rows);
     EXPECT_EQ(told.trajectory.exposure, 0.7 * kExposure);
   }

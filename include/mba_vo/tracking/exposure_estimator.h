@@ -15,7 +15,7 @@ namespace mba_vo {
 /// came: blur is compared with the motion between the frames, over stretches where that is smooth. Of exposures that
 /// came, the factor is the median of what single frames say, and is used only if it is so far from 1 that they must be
 /// wrong. Where none came it is followed from frame to frame, as automatic exposure may change it, and used as soon as
-/// it is known.
+/// it is known; the rows of a rolling shutter then tell it with every frame (TrackedFrame::exposure_by_rows).
 class ExposureEstimator {
  public:
   explicit ExposureEstimator(const TrackerConfig& config);

@@ -32,7 +32,7 @@ struct Passage {
 
 Passage passageOf(const Reference& reference, const TrackedFrame& tracked, const Vector6& velocity, double interval);
 
-/// The same, as short as it may well be: too long an exposure does harm, too short a one does not.
+/// The sample, as short as it may well be: too long an exposure does harm, too short a one does not.
 ExposureSample asShortAsMayBe(ExposureSample sample);
 
 /// probeExposure, with an honest standard deviation, which the path's own, `doubt_px`, is part of. `told`: the exposure

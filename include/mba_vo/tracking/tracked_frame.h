@@ -46,7 +46,7 @@ struct TrackedFrame {
   ReferenceId reference;                   // what it was aligned to, or would be: of the map in use
   ExposureTrajectory trajectory;           // relative to the reference
   AffineBrightness brightness;             // of this frame, same convention as Reference::brightness
-  Matrix12 covariance = Matrix12::Zero();  // of (right increment of T_mid, xi)
+  Matrix12 covariance = Matrix12::Zero();  // of (right increment of T_mid, xi), the exposure being that of `trajectory`
   bool xi_prior_limited = true;            // too little blur for the covariance of xi to mean anything
   double residual_rms = 0.0;               // robust, level 0 [grey levels]
   double pixel_error = 0.0;                // shift of the image that would make such residuals [px]
