@@ -16,6 +16,7 @@ constexpr double kMostKeyframeError = 2.0;  // times the error of the first fram
 TrackedFrameConstPtr KeyframeSelector::add(const TrackedFrameConstPtr& frame, const SE3& T_map_camera,
                                            const Reference& newest, bool busy) {
   motion_.add(frame->frame->mid_exposure_ns, T_map_camera, measuredMotion(*frame));
+  if (std::exchange(hurried_, false)) motion_afterwards_ = motion_.motionOfMiddle();
   if (candidate_ && !ready_) {
     taken_motion_ = motion_.motionOfMiddle();
     ready_ = true;
@@ -42,6 +43,7 @@ TrackedFrameConstPtr KeyframeSelector::takeReady() {
 }
 
 TrackedFrameConstPtr KeyframeSelector::takeNow() {
+  hurried_ = candidate_ && !ready_;
   if (!ready_) taken_motion_ = motion_.motionOfLast();
   return takeReady();
 }
@@ -57,6 +59,8 @@ void KeyframeSelector::restart(std::int64_t mid_exposure_ns, const SE3& T_map_ca
 
 void KeyframeSelector::reset() {
   motion_ = {};
+  hurried_ = false;
+  motion_afterwards_.reset();
   candidate_.reset();
   ready_ = false;
   first_error_.reset();

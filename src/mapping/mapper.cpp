@@ -69,7 +69,10 @@ TrackedFrameConstPtr Mapper::Impl::integrate(const TrackedFrameConstPtr& frame, 
   deferred_.add(frame);
   last_ = {frame->frame->sequence, frame->frame->mid_exposure_ns, frame->trajectory};
   last_keyframe_ = frame->reference.keyframe_id;
-  return selector_.add(frame, map_->T_map_camera(*frame), *reference_, phase_ == MappingPhase::kRefining);
+  const bool refining = phase_ == MappingPhase::kRefining;
+  TrackedFrameConstPtr chosen = selector_.add(frame, map_->T_map_camera(*frame), *reference_, refining);
+  if (const auto motion = selector_.takeMotionAfterwards()) map_->reviseNewestMotion(*motion);
+  return chosen;
 }
 
 void Mapper::Impl::insertKeyframe(const TrackedFrameConstPtr& chosen, MapperOutput& output) {

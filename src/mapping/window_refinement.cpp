@@ -54,6 +54,15 @@ void LocalMap::selectNewestPoints(KeyframeReport& report) {
   refinement_.next = Refinement::Piece::kBegin;
 }
 
+void LocalMap::reviseNewestMotion(const BodyMotion& motion) {
+  revised_motion_ = motion;
+  if (refinement_.next != Refinement::Piece::kIterate) adoptRevisedMotion();
+}
+
+void LocalMap::adoptRevisedMotion() {
+  if (const auto motion = std::exchange(revised_motion_, std::nullopt)) window_.setMotion(newestKeyframe(), *motion);
+}
+
 void LocalMap::beginOptimization(KeyframeReport& report) {
   updateSlopes();
   alignBlurred(report.blur_length_px);
@@ -86,6 +95,7 @@ void LocalMap::endOptimization(KeyframeReport& report) {
 
 void LocalMap::conclude(KeyframeReport& report) {
   const StageClock::time_point stage = StageClock::now();
+  adoptRevisedMotion();
   marginalizeKeyframes();
   report.marginalisation_ms = millisecondsSince(stage);
   report.points = window_.pointCount();

@@ -8,6 +8,13 @@ namespace {
 
 constexpr std::size_t kPoses = 3;
 constexpr double kLongestGap = 0.15;  // [s] the velocity is not constant over longer gaps
+// [rad/s^3] What a measured turn says beyond it is an error, of which one in twenty has tenths of a rad/s
+// (docs/decisions/2026-11-28-motion-of-keyframes.md).
+constexpr double kMostJerk = 550.0;
+
+Eigen::Vector3d bounded(const Eigen::Vector3d& v, double most) {
+  return v * std::min(1.0, most / std::max(v.norm(), 1e-12));
+}
 
 }  // namespace
 
@@ -52,8 +59,8 @@ Vector6 FiniteDifferenceVelocity::velocityOfMiddle() const {
   // The central difference exceeds the velocity by a sixth of its second difference. An error that all measured
   // velocities have in common, that of the reference, cancels there. Hands change the rate of a turn so fast that it
   // counts, but not how fast they move: there it would only add the errors of the measured velocities.
-  const auto turn = [&](std::size_t i) { return poses_[i].measured->velocity.tail<3>(); };
-  velocity.tail<3>() -= (turn(0) - 2.0 * turn(1) + turn(2)) / 6.0;
+  const double most = kMostJerk * secondsTo(1) * secondsTo(2);
+  velocity.tail<3>() -= bounded(measuredTurn(0) - 2.0 * measuredTurn(1) + measuredTurn(2), most) / 6.0;
   return velocity;
 }
 
@@ -74,13 +81,30 @@ BodyMotion FiniteDifferenceVelocity::motionOfMiddle() const {
 BodyMotion FiniteDifferenceVelocity::motionOfLast() const {
   BodyMotion motion;
   if (poses_.empty()) return motion;
-  if (const auto& measured = poses_.back().measured) {
+  const std::size_t last = poses_.size() - 1;
+  const auto& measured = poses_[last].measured;
+  const bool follows = last > 0 && secondsTo(last) <= kLongestGap;
+  if (measured && (measured->angular_acceleration || !follows)) {
     motion.velocity = measured->velocity;
     motion.acceleration.tail<3>() = measured->angular_acceleration.value_or(Eigen::Vector3d::Zero());
-  } else if (poses_.size() >= 2 && secondsTo(poses_.size() - 1) <= kLongestGap) {
-    motion.velocity = velocityTo(poses_.size() - 1);
+  } else if (follows) {
+    motion.velocity = velocityTo(last);
+    motion.velocity.tail<3>() += 0.5 * turnGainedTo(last);
   }
   return motion;
+}
+
+/// By the measured velocities, as far as the poses allow. Zero if there are too few.
+Eigen::Vector3d FiniteDifferenceVelocity::turnGainedTo(std::size_t i) const {
+  if (i < 2 || secondsTo(i - 1) > kLongestGap) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d by_poses = (velocityTo(i) - velocityTo(i - 1)).tail<3>();
+  if (!poses_[i].measured || !poses_[i - 1].measured) return by_poses;
+  const double most = 0.5 * kMostJerk * secondsTo(i) * secondsTo(i);
+  return by_poses + bounded(measuredTurn(i) - measuredTurn(i - 1) - by_poses, most);
+}
+
+Eigen::Vector3d FiniteDifferenceVelocity::measuredTurn(std::size_t i) const {
+  return poses_[i].measured->velocity.tail<3>();
 }
 
 }  // namespace mba_vo

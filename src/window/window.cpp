@@ -162,6 +162,11 @@ void Window::setExposure(KeyframeId id, double exposure, bool image_is_blurred) 
   impl_->pairs_.clear();
 }
 
+void Window::setMotion(KeyframeId id, const BodyMotion& motion) {
+  impl_->state_.setMotion(impl_->state_.indexOf(id), motion);
+  impl_->pairs_.clear();
+}
+
 bool Window::explainsAsWell(KeyframeId host, const std::shared_ptr<const ImagePyramid>& sharp,
                             const std::vector<ReferencePoint>& points) const {
   const int index = impl_->state_.indexOf(host);

@@ -95,6 +95,14 @@ void WindowState::setExposure(int i, double exposure, bool image_is_blurred) {
   readAgain(i);
 }
 
+void WindowState::setMotion(int i, const BodyMotion& motion) {
+  KeyframeState& k = keyframe(i);
+  k.expected_velocity = motion.velocity;
+  k.acceleration = motion.acceleration;
+  k.setVelocity(motion.velocity);
+  readAgain(i);
+}
+
 void WindowState::readAgain(int i) {
   for (PointState& point : points) {
     if (point.host != i) continue;

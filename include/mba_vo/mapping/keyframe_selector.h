@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "mba_vo/tracking/keyframe_policy.h"
 #include "mba_vo/tracking/reference.h"
@@ -31,6 +32,8 @@ class KeyframeSelector {
   TrackedFrameConstPtr takeNow();
   /// Of the frame that was returned last [m/s, rad/s, body frame].
   const BodyMotion& motion() const { return taken_motion_; }
+  /// The same where that frame could not wait for the one after it, which has come now.
+  std::optional<BodyMotion> takeMotionAfterwards() { return std::exchange(motion_afterwards_, std::nullopt); }
   /// A frame was tracked again.
   void revise(const TrackedFrameConstPtr& frame);
   /// Begins anew, with the camera at this pose.
@@ -49,6 +52,8 @@ class KeyframeSelector {
   std::optional<FirstError> first_error_;
   FiniteDifferenceVelocity motion_;
   BodyMotion taken_motion_;
+  bool hurried_ = false;  // the frame that was returned last could not wait, and none has come since
+  std::optional<BodyMotion> motion_afterwards_;
   TrackedFrameConstPtr candidate_;  // becomes a keyframe
   bool ready_ = false;              // the frame after it has been seen
 };

@@ -75,6 +75,8 @@ class LocalMap {
   bool refineWindow(KeyframeReport& report);
   /// The last piece at once, because the next keyframe cannot wait: the window stays as far as it is optimised.
   void refineWindowNoFurther(KeyframeReport& report);
+  /// How the newest keyframe moved is known better now. While the window is being optimised that waits for its end.
+  void reviseNewestMotion(const BodyMotion& motion);
   /// That the next piece of the refinement goes through.
   int residualCount() const { return refinement_.next == Refinement::Piece::kSelect ? 0 : window_.residualCount(); }
 
@@ -125,6 +127,7 @@ class LocalMap {
   std::shared_ptr<const ImagePyramid> imageAsKnownNow(const HostKeyframe& keyframe) const;
   int activatePoints();
   void alignBlurred(double blur_length_px);
+  void adoptRevisedMotion();
   void beginOptimization(KeyframeReport& report);
   void iterate(KeyframeReport& report);
   void endOptimization(KeyframeReport& report);
@@ -148,6 +151,7 @@ class LocalMap {
   std::map<KeyframeId, HostKeyframe> keyframes_;
   KeyframeId next_keyframe_ = 0;
   Refinement refinement_;
+  std::optional<BodyMotion> revised_motion_;  // of the newest keyframe, to be adopted once the window is optimised
   int departed_ = 0;                     // keyframes that have left the window
   double activation_distance_px_ = 4.0;  // adapted so that the window holds about max_points
   double depth_search_ms_ = 0.0;         // since the last keyframe

@@ -36,7 +36,8 @@ class FiniteDifferenceVelocity {
   /// frame itself tells how its turn changes, that and the poses count by half: what is faster than the frames, they
   /// do not see; the rows see it, but not well.
   BodyMotion motionOfMiddle() const;
-  /// Of the last frame, while none after it is known: as measured, else as between it and the one before.
+  /// Of the last frame, while none after it is known: as between it and the one before, and for a turn what it has
+  /// gained by then. The rows of a rolling shutter, or a frame that follows none, are believed instead.
   BodyMotion motionOfLast() const;
 
  private:
@@ -48,6 +49,8 @@ class FiniteDifferenceVelocity {
   /// From the pose before the one of number i: time, and the velocity on the way.
   double secondsTo(std::size_t i) const;
   Vector6 velocityTo(std::size_t i) const;
+  Eigen::Vector3d turnGainedTo(std::size_t i) const;
+  Eigen::Vector3d measuredTurn(std::size_t i) const;
 
   std::deque<Pose> poses_;
 };

@@ -126,6 +126,8 @@ class Window {
   void replaceImage(KeyframeId id, std::shared_ptr<const ImagePyramid> sharp);
   /// The exposure of a keyframe, which nobody told, is known better now [s]. `image_is_blurred`: by it, as a host.
   void setExposure(KeyframeId id, double exposure, bool image_is_blurred);
+  /// How a keyframe moves is known better now [m/s, rad/s, body frame].
+  void setMotion(KeyframeId id, const BodyMotion& motion);
   /// Whether the host with that image instead of its own would explain the other keyframes no worse, by these points
   /// seen from it; false if it cannot be told. Changes nothing.
   bool explainsAsWell(KeyframeId host, const std::shared_ptr<const ImagePyramid>& sharp,
