@@ -98,6 +98,7 @@ void WindowState::setExposure(int i, double exposure, bool image_is_blurred) {
 void WindowState::setMotion(int i, const BodyMotion& motion) {
   KeyframeState& k = keyframe(i);
   k.expected_velocity = motion.velocity;
+  if (k.readoutTime() != 0.0) return;  // the rows have told more (Window::refineRowMotions)
   k.acceleration = motion.acceleration;
   k.setVelocity(motion.velocity);
   readAgain(i);

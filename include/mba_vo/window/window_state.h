@@ -110,7 +110,7 @@ struct WindowState {
   void replaceImage(int i, std::shared_ptr<const ImagePyramid> sharp);
   /// The exposure of keyframe `i` is known better now, and with it the motion within it.
   void setExposure(int i, double exposure, bool image_is_blurred);
-  /// How keyframe `i` moves is known better now.
+  /// How keyframe `i` moves is known better now; with a rolling shutter, what is expected of it.
   void setMotion(int i, const BodyMotion& motion);
   /// Removes keyframe `i`, its points and all residuals into it. The prior must not depend on it any more.
   void removeKeyframe(int i);
