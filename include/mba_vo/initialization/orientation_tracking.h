@@ -5,6 +5,7 @@
 
 #include "mba_vo/tracking/motion_state.h"
 #include "mba_vo/tracking/tracker.h"
+#include "mba_vo/trajectory/finite_difference_velocity.h"
 
 namespace mba_vo {
 
@@ -26,7 +27,9 @@ class OrientationTracking {
   void reset();
 
  private:
+  void add(TrackedFrame& tracked);
   void changeReference(const FrameConstPtr& frame, const AffineBrightness& brightness);
+  void moveReference(const Vector6& velocity);
   /// Predicts how the camera has turned since the last frame by features, if there are any: they find turns that come
   /// as a surprise, the first of all for one, where an alignment may end in a wrong valley.
   std::optional<MotionPrior> priorByFeatures(const FrameConstPtr& frame) const;
@@ -35,8 +38,11 @@ class OrientationTracking {
   TrackerConfig config_;
   std::shared_ptr<const Reference> reference_;
   FrameConstPtr last_frame_;
+  double reference_exposure_ = 0.0;     // [s]
+  bool reference_awaits_next_ = false;  // the frame after it will tell how it moved
   SE3 T_first_reference_;
-  MotionState motion_;  // relative to the reference
+  MotionState motion_;              // relative to the reference
+  FiniteDifferenceVelocity turns_;  // relative to the first frame
   AffineBrightness brightness_;
   Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
 };
