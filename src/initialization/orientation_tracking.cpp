@@ -38,7 +38,6 @@ void OrientationTracking::reset() {
   T_first_reference_ = SE3();
   motion_ = MotionState();
   turns_ = {};
-  reference_awaits_next_ = false;
   brightness_ = AffineBrightness();
   covariance_ = kOrigin * Eigen::Matrix3d::Identity();
 }
@@ -51,7 +50,6 @@ void OrientationTracking::begin(const FrameConstPtr& frame, const Eigen::Vector3
   motion_ = MotionState(motion, frame->mid_exposure_ns);
   turns_.add(frame->mid_exposure_ns, SE3(), std::nullopt);
   changeReference(frame, {});
-  reference_awaits_next_ = angular_velocity.isZero(0.0);
 }
 
 ExposureTrajectory OrientationTracking::last() const {
@@ -64,17 +62,8 @@ ExposureTrajectory OrientationTracking::last() const {
 void OrientationTracking::add(TrackedFrame& tracked) {
   ExposureTrajectory& turn = tracked.trajectory;
   turns_.add(tracked.frame->mid_exposure_ns, T_first_reference_ * turn.T_reference_mid, measuredMotion(tracked));
-  if (reference_awaits_next_) moveReference(turns_.velocityOfMiddle());
-  reference_awaits_next_ = false;
   turn.velocity = turns_.motionOfLast().velocity;
   motion_.update(tracked);
-}
-
-void OrientationTracking::moveReference(const Vector6& velocity) {
-  auto moved = std::make_shared<Reference>(*reference_);
-  moved->motion.velocity = velocity;
-  moved->image_xi = velocity * reference_exposure_;
-  reference_ = moved;
 }
 
 void OrientationTracking::changeReference(const FrameConstPtr& frame, const AffineBrightness& brightness) {
@@ -85,15 +74,14 @@ void OrientationTracking::changeReference(const FrameConstPtr& frame, const Affi
   reference->at_infinity = true;
   reference->mid_exposure_ns = frame->mid_exposure_ns;
   reference->pyramid = std::shared_ptr<const ImagePyramid>(frame, &frame->pyramid);
+  reference->motion.velocity = motion_.last().velocity;
+  reference->image_xi = motion_.last().velocity * frame->exposure.value_or(0.0);
   reference->brightness = brightness;
   reference->image_correction = reference->correction = frame->correction;
   for (const Eigen::Vector2i& pixel : selectPoints(*reference->pyramid, kReferencePoints, {})) {
     reference->points.push_back({pixel.cast<float>(), kFar, 0.0F});
   }
   reference_ = reference;
-  reference_exposure_ = frame->exposure.value_or(0.0);
-  moveReference(motion_.last().velocity);
-  reference_awaits_next_ = true;
 }
 
 std::optional<MotionPrior> OrientationTracking::priorByFeatures(const FrameConstPtr& frame) const {

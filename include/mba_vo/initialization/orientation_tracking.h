@@ -29,7 +29,6 @@ class OrientationTracking {
  private:
   void add(TrackedFrame& tracked);
   void changeReference(const FrameConstPtr& frame, const AffineBrightness& brightness);
-  void moveReference(const Vector6& velocity);
   /// Predicts how the camera has turned since the last frame by features, if there are any: they find turns that come
   /// as a surprise, the first of all for one, where an alignment may end in a wrong valley.
   std::optional<MotionPrior> priorByFeatures(const FrameConstPtr& frame) const;
@@ -38,8 +37,6 @@ class OrientationTracking {
   TrackerConfig config_;
   std::shared_ptr<const Reference> reference_;
   FrameConstPtr last_frame_;
-  double reference_exposure_ = 0.0;     // [s]
-  bool reference_awaits_next_ = false;  // the frame after it will tell how it moved
   SE3 T_first_reference_;
   MotionState motion_;              // relative to the reference
   FiniteDifferenceVelocity turns_;  // relative to the first frame
