@@ -61,7 +61,7 @@ ExposureTrajectory OrientationTracking::last() const {
 /// What the blur says of a frame's motion goes by that of the reference, which came from another's: poses put it right.
 void OrientationTracking::add(TrackedFrame& tracked) {
   ExposureTrajectory& turn = tracked.trajectory;
-  turns_.add(tracked.frame->mid_exposure_ns, T_first_reference_ * turn.T_reference_mid, measuredMotion(tracked));
+  turns_.add(tracked.frame->mid_exposure_ns, T_first_reference_ * turn.T_reference_mid, observedMotion(tracked));
   turn.velocity = turns_.motionOfLast().velocity;
   motion_.update(tracked);
 }

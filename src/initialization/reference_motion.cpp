@@ -18,7 +18,7 @@ using Neighbours = std::array<const InitialMap::Pose*, 2>;
 
 struct Neighbour {
   SE3 T_reference_frame;
-  std::optional<MeasuredMotion> measured;
+  std::optional<ObservedMotion> measured;
 };
 
 Neighbours neighboursOf(const InitialMap& initial) {
@@ -33,7 +33,7 @@ Neighbours neighboursOf(const InitialMap& initial) {
 
 /// `measure`: what is known of a neighbour.
 template <typename Measure>
-std::optional<BodyMotion> motionBetween(const InitialMap& initial, const std::optional<MeasuredMotion>& own,
+std::optional<BodyMotion> motionBetween(const InitialMap& initial, const std::optional<ObservedMotion>& own,
                                         const Measure& measure) {
   const auto [before, after] = neighboursOf(initial);
   FiniteDifferenceVelocity motion;
@@ -61,9 +61,9 @@ std::optional<BodyMotion> trackedMotion(const InitialMap& initial, const BodyMot
     guess.is_close = true;
     const TrackedFrame tracked = tracker.track(reference, pose.frame, guess);
     if (!tracked.tracked()) return std::nullopt;
-    return Neighbour{tracked.trajectory.T_reference_mid, measuredMotion(tracked)};
+    return Neighbour{tracked.trajectory.T_reference_mid, observedMotion(tracked)};
   };
-  return motionBetween(initial, MeasuredMotion{motion.velocity, std::nullopt}, track);
+  return motionBetween(initial, ObservedMotion{motion.velocity, std::nullopt}, track);
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ std::optional<FrameMotion> RecordedMotion::at(std::int64_t mid_exposure_ns) cons
   FiniteDifferenceVelocity motion_around;
   for (const RecordedExposure* e : {&before, &own, &after}) {
     motion_around.add(e->mid_exposure_ns, e->trajectory.T_reference_mid,
-                      MeasuredMotion{e->trajectory.velocity, std::nullopt});
+                      ObservedMotion{e->trajectory.velocity, std::nullopt});
   }
   motion.trajectory.velocity = motion_around.velocityOfMiddle();
   const double interval = 1e-9 * static_cast<double>(after.mid_exposure_ns - before.mid_exposure_ns);

@@ -18,17 +18,17 @@ Eigen::Vector3d bounded(const Eigen::Vector3d& v, double most) {
 
 }  // namespace
 
-std::optional<MeasuredMotion> measuredMotion(const TrackedFrame& frame) {
+std::optional<ObservedMotion> observedMotion(const TrackedFrame& frame) {
   const ExposureTrajectory& found = frame.trajectory;
   if (frame.frame->pyramid.level(0).camera.row_time != 0.0) {
-    return MeasuredMotion{found.velocity, Eigen::Vector3d(found.acceleration.tail<3>())};
+    return ObservedMotion{found.velocity, Eigen::Vector3d(found.acceleration.tail<3>())};
   }
   if (frame.frame->exposure.value_or(0.0) <= 0.0) return std::nullopt;
-  return MeasuredMotion{found.velocity, std::nullopt};
+  return ObservedMotion{found.velocity, std::nullopt};
 }
 
 void FiniteDifferenceVelocity::add(std::int64_t mid_exposure_ns, const SE3& T_map_camera,
-                                   const std::optional<MeasuredMotion>& measured) {
+                                   const std::optional<ObservedMotion>& measured) {
   if (!poses_.empty() && mid_exposure_ns <= poses_.back().ns) return;
   poses_.push_back({mid_exposure_ns, T_map_camera, measured});
   if (poses_.size() > kPoses) poses_.pop_front();

@@ -21,7 +21,7 @@ TEST(FiniteDifferenceVelocity, IsExactForConstantVelocityAndUnevenIntervals) {
     const SE3 start = random.pose(1.0, 1.0);
     FiniteDifferenceVelocity motion;
     for (const std::int64_t ns : {0L, 20'000'000L, 75'000'000L, 110'000'000L})
-      motion.add(ns, start * SE3::exp(seconds(ns) * v), MeasuredMotion{v, std::nullopt});
+      motion.add(ns, start * SE3::exp(seconds(ns) * v), ObservedMotion{v, std::nullopt});
     EXPECT_LT((kExposure * motion.velocityOfMiddle() - kExposure * v).norm(), 1e-9);
     EXPECT_EQ((0.0 * motion.velocityOfMiddle()).norm(), 0.0);
   }
@@ -58,7 +58,7 @@ TEST(FiniteDifferenceVelocity, TheLastFrameHasItsOwnVelocityOrThatSinceTheOneBef
   EXPECT_EQ(motion.motionOfLast().velocity.norm(), 0.0);
   motion.add(kInterval, SE3::exp(seconds(kInterval) * v), std::nullopt);
   EXPECT_LT((motion.motionOfLast().velocity - v).norm(), 1e-9);
-  motion.add(2 * kInterval, SE3::exp(seconds(2 * kInterval) * v), MeasuredMotion{measured, Eigen::Vector3d(1, 2, 3)});
+  motion.add(2 * kInterval, SE3::exp(seconds(2 * kInterval) * v), ObservedMotion{measured, Eigen::Vector3d(1, 2, 3)});
   EXPECT_EQ(motion.motionOfLast().velocity, measured);
   EXPECT_EQ(motion.motionOfLast().acceleration, (Vector6() << 0, 0, 0, 1, 2, 3).finished());
   motion.add(2'000'000'000, SE3(), std::nullopt);
@@ -93,7 +93,7 @@ double turnOfMiddle(const JerkyTurn& turn, double common_error) {
   for (const std::int64_t i : {-1, 0, 1}) {
     Vector6 velocity = Vector6::Zero();
     velocity(4) = turn.velocity(seconds(i * kInterval)) + common_error;
-    motion.add(i * kInterval, turn.pose(seconds(i * kInterval)), MeasuredMotion{velocity, std::nullopt});
+    motion.add(i * kInterval, turn.pose(seconds(i * kInterval)), ObservedMotion{velocity, std::nullopt});
   }
   return kExposure * motion.velocityOfMiddle()(4);
 }
@@ -123,7 +123,7 @@ TEST(FiniteDifferenceVelocity, HalfOfATurnsAccelerationIsWhatTheRowsTell) {
   FiniteDifferenceVelocity motion;
   const Eigen::Vector3d told(5.0, -30.0, 0.0);
   for (const std::int64_t i : {-1, 0, 1}) {
-    motion.add(i * kInterval, turn.pose(seconds(i * kInterval)), MeasuredMotion{Vector6::Zero(), told});
+    motion.add(i * kInterval, turn.pose(seconds(i * kInterval)), ObservedMotion{Vector6::Zero(), told});
   }
   const Vector6 expected = (Vector6() << 0, 0, 0, 2.5, -25.0, 0).finished();
   EXPECT_LT((motion.motionOfMiddle().acceleration - expected).norm(), 1e-6);

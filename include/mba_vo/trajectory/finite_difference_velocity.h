@@ -13,11 +13,11 @@ namespace mba_vo {
 
 /// What the blur, or the rows of a rolling shutter, tell about the velocity [m/s, rad/s, body frame], and those rows
 /// about how a turn changes, too. None where the exposure is unknown or instantaneous, unless the shutter rolls.
-struct MeasuredMotion {
+struct ObservedMotion {
   Vector6 velocity = Vector6::Zero();
   std::optional<Eigen::Vector3d> angular_acceleration;  // [rad/s^2]
 };
-std::optional<MeasuredMotion> measuredMotion(const TrackedFrame& frame);
+std::optional<ObservedMotion> observedMotion(const TrackedFrame& frame);
 
 /// Motion during an exposure, by the poses of the frames before and after it. A blurred image compared with a
 /// blurred reference tells only by how much more the one is blurred than the other: a reference's error goes over to
@@ -27,7 +27,7 @@ class FiniteDifferenceVelocity {
  public:
   /// Adds the next frame: its mid pose and what itself tells of its motion, if anything.
   /// Must be increasing in time; one that is not is ignored.
-  void add(std::int64_t mid_exposure_ns, const SE3& T_map_camera, const std::optional<MeasuredMotion>& measured);
+  void add(std::int64_t mid_exposure_ns, const SE3& T_map_camera, const std::optional<ObservedMotion>& measured);
 
   /// Of the last but one frame [m/s, rad/s, body frame]. Zero if fewer than two poses are known, or those on both sides
   /// are too far away in time.
@@ -44,7 +44,7 @@ class FiniteDifferenceVelocity {
   struct Pose {
     std::int64_t ns;
     SE3 T_map_camera;
-    std::optional<MeasuredMotion> measured;
+    std::optional<ObservedMotion> measured;
   };
   /// From the pose before the one of number i: time, and the velocity on the way.
   double secondsTo(std::size_t i) const;
