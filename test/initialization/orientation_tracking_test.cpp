@@ -23,16 +23,22 @@ SE3 turned(double yaw, double pitch) {
 /// Turning and shaking on the spot.
 SE3 turning(double t) { return turned(1.3 * t + 0.04 * std::sin(9.0 * t), 0.06 * std::sin(7.0 * t)); }
 
-SimulatedFrame render(int index) {
+SimulatedFrame render(int index, double exposure = kExposure) {
   const SE3 T_world_start = test::roomSimulator().pose(1.0);
   const double t = kInterval * index;
-  return test::roomSimulator().renderExposure([&](double at) { return T_world_start * turning(at); }, t, kExposure,
+  return test::roomSimulator().renderExposure([&](double at) { return T_world_start * turning(at); }, t, exposure,
                                               static_cast<std::uint64_t>(index));
 }
 
-FrameConstPtr frameOf(const SimulatedFrame& rendered, int index) {
-  return test::makeFrame(test::toFloat(rendered.blurred), std::llround(1e9 * kInterval * index), kExposure,
+FrameConstPtr frameOf(const SimulatedFrame& rendered, int index, double exposure = kExposure) {
+  return test::makeFrame(test::toFloat(rendered.blurred), std::llround(1e9 * kInterval * index), exposure,
                          static_cast<std::uint64_t>(index));
+}
+
+/// Of the camera, in its own axes [rad/s].
+Eigen::Vector3d angularVelocity(double t) {
+  constexpr double kStep = 1e-4;  // [s]
+  return (turning(t - kStep).inverse() * turning(t + kStep)).log().tail<3>() / (2.0 * kStep);
 }
 
 double degreesBetween(const SE3& a, const SE3& b) { return a.rotation().angularDistance(b.rotation()) * 180.0 / M_PI; }
@@ -52,6 +58,19 @@ TEST(OrientationTracking, FollowsACameraThatOnlyTurns) {
   const double sigma = std::sqrt(orientation.covariance().trace());
   EXPECT_GT(sigma, 0.0);
   EXPECT_LT(sigma, 0.01);
+}
+
+// The first one is taken for sharp, and is not.
+TEST(OrientationTracking, AVelocityDoesNotInheritWhatTheReferenceHasWrong) {
+  OrientationTracking orientation((TrackerConfig()));
+  constexpr double kLong = 0.03;  // [s]
+  double squares = 0.0;
+  for (int i = 0; i < kCount; ++i) {
+    ASSERT_TRUE(orientation.track(frameOf(render(i, kLong), i, kLong))) << "frame " << i;
+    const Eigen::Vector3d error = orientation.last().velocity.tail<3>() - angularVelocity(kInterval * i);
+    if (i > 1) squares += error.squaredNorm();
+  }
+  EXPECT_LT(std::sqrt(squares / (kCount - 2)), 0.2);
 }
 
 TEST(OrientationTracking, SaysWhenNothingCanBeSeenAndGoesOnAfterwards) {

@@ -1,6 +1,7 @@
 #include "mba_vo/mapping/keyframe_selector.h"
 
 #include <memory>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -43,6 +44,7 @@ class TurningCamera {
   }
   /// Of the last frame.
   double need() const { return need_; }
+  KeyframeSelector& selector() { return selector_; }
 
  private:
   const Reference reference_ = wall();
@@ -63,6 +65,26 @@ TEST(KeyframeSelector, ItIsInsertedWhenTheViewIsLeft) {
   EXPECT_FALSE(camera.see(0.24)) << "chosen";
   EXPECT_TRUE(camera.see(0.36));
   EXPECT_FALSE(camera.see(0.24)) << "another one is to be chosen first";
+}
+
+TEST(KeyframeSelector, OneThatCouldNotWaitGetsItsMotionByTheFrameAfterIt) {
+  TurningCamera camera;
+  for (const double turned : {0.0, 0.02}) EXPECT_FALSE(camera.see(turned));
+  ASSERT_TRUE(camera.see(0.42)) << "the view is left all at once";
+  EXPECT_FALSE(camera.selector().takeMotionAfterwards()) << "no frame after it has come";
+  const double since = (0.42 - 0.02) / (1e-9 * kInterval), before = 0.02 / (1e-9 * kInterval);
+  EXPECT_NEAR(camera.selector().motion().velocity(4), since + 0.5 * (since - before), 1e-6);
+  camera.see(0.52);
+  const std::optional<BodyMotion> motion = camera.selector().takeMotionAfterwards();
+  ASSERT_TRUE(motion);
+  EXPECT_NEAR(motion->velocity(4), (0.52 - 0.02) / (2 * 1e-9 * kInterval), 1e-6);
+  EXPECT_FALSE(camera.selector().takeMotionAfterwards()) << "once";
+}
+
+TEST(KeyframeSelector, OneThatWaitedNeedsNoOtherMotion) {
+  TurningCamera camera;
+  for (const double turned : {0.10, 0.24, 0.36, 0.40}) camera.see(turned);
+  EXPECT_FALSE(camera.selector().takeMotionAfterwards());
 }
 
 }  // namespace

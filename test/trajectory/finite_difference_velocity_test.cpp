@@ -49,14 +49,14 @@ TEST(FiniteDifferenceVelocity, LeavesOutASideThatIsTooFarAway) {
   EXPECT_LT((kExposure * motion.velocityOfMiddle() - kExposure * v).norm(), 1e-9);
 }
 
-TEST(FiniteDifferenceVelocity, TheLastFrameHasItsOwnVelocityOrThatSinceTheOneBefore) {
+TEST(FiniteDifferenceVelocity, TheLastFrameMovesAsSinceTheOneBeforeOrAsItsRowsSay) {
   const Vector6 v = (Vector6() << 0.1, 0.2, 0, 0.5, 0, 0).finished();
   const Vector6 measured = 1.1 * v;
   FiniteDifferenceVelocity motion;
   EXPECT_EQ(motion.motionOfLast().velocity.norm(), 0.0);
-  motion.add(0, SE3(), std::nullopt);
-  EXPECT_EQ(motion.motionOfLast().velocity.norm(), 0.0);
-  motion.add(kInterval, SE3::exp(seconds(kInterval) * v), std::nullopt);
+  motion.add(0, SE3(), ObservedMotion{measured, std::nullopt});
+  EXPECT_EQ(motion.motionOfLast().velocity, measured) << "there is nothing else";
+  motion.add(kInterval, SE3::exp(seconds(kInterval) * v), ObservedMotion{measured, std::nullopt});
   EXPECT_LT((motion.motionOfLast().velocity - v).norm(), 1e-9);
   motion.add(2 * kInterval, SE3::exp(seconds(2 * kInterval) * v), ObservedMotion{measured, Eigen::Vector3d(1, 2, 3)});
   EXPECT_EQ(motion.motionOfLast().velocity, measured);
@@ -99,7 +99,7 @@ double turnOfMiddle(const JerkyTurn& turn, double common_error) {
 }
 
 TEST(FiniteDifferenceVelocity, MeasuredVelocitiesCorrectForChangesOfAcceleration) {
-  const JerkyTurn turn{1.0, -20.0, 3000.0};
+  const JerkyTurn turn{1.0, -20.0, 500.0};
   EXPECT_NEAR(turnOfMiddle(turn, 0.0), kExposure * 1.0, 1e-9);
 }
 
@@ -131,9 +131,39 @@ TEST(FiniteDifferenceVelocity, HalfOfATurnsAccelerationIsWhatTheRowsTell) {
 
 TEST(FiniteDifferenceVelocity, ACommonErrorOfTheMeasuredVelocitiesFades) {
   // A reference's error comes back through the velocities measured against it: it must come back smaller.
-  const JerkyTurn turn{1.0, -20.0, 3000.0};
+  const JerkyTurn turn{1.0, -20.0, 500.0};
   const double error = turnOfMiddle(turn, 0.5) - turnOfMiddle(turn, 0.0);
   EXPECT_LT(std::abs(error), 0.5 * kExposure * 0.5);
+}
+
+/// A turn that gets faster; velocities measured with errors, of the frame before and the last one.
+Vector6 velocityOfLast(const JerkyTurn& turn, double error_before, double error_of_last) {
+  FiniteDifferenceVelocity motion;
+  for (const std::int64_t i : {-2, -1, 0}) {
+    Vector6 velocity = Vector6::Zero();
+    velocity(4) = turn.velocity(seconds(i * kInterval)) + (i == 0 ? error_of_last : error_before);
+    motion.add(i * kInterval, turn.pose(seconds(i * kInterval)), ObservedMotion{velocity, std::nullopt});
+  }
+  return motion.motionOfLast().velocity;
+}
+
+TEST(FiniteDifferenceVelocity, TheLastFrameHasGainedWhatWasMeasured) {
+  const JerkyTurn turn{1.0, 20.0, 0.0};
+  EXPECT_NEAR(velocityOfLast(turn, 0.0, 0.0)(4), 1.0, 1e-9);
+  EXPECT_NEAR(velocityOfLast(turn, 0.5, 0.5)(4), 1.0, 1e-9) << "an error of the reference is in both";
+}
+
+TEST(FiniteDifferenceVelocity, WhatIsMeasuredIsBelievedAsFarAsPosesAllow) {
+  const JerkyTurn turn{1.0, 20.0, 0.0};
+  constexpr double kMost = 550.0 * 0.037 * 0.037;  // [rad/s] by which a turn may change its acceleration
+  EXPECT_NEAR(velocityOfLast(turn, 0.0, -5.0)(4), 1.0 - kMost / 4.0, 1e-6) << "blur does not tell v from -v";
+  FiniteDifferenceVelocity motion;
+  for (const std::int64_t i : {-1, 0, 1}) {
+    Vector6 velocity = Vector6::Zero();
+    velocity(4) = i == 0 ? -5.0 : turn.velocity(seconds(i * kInterval));
+    motion.add(i * kInterval, turn.pose(seconds(i * kInterval)), ObservedMotion{velocity, std::nullopt});
+  }
+  EXPECT_NEAR(motion.velocityOfMiddle()(4), 1.0 - kMost / 6.0, 1e-6);
 }
 
 }  // namespace

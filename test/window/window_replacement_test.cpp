@@ -87,6 +87,26 @@ TEST(WindowReplacement, AnExposureThatIsKnownLaterIsAsOneThatWasKnownFromTheBegi
   EXPECT_THROW(untold.setExposure(7, Pair::kExposure, true), std::invalid_argument);
 }
 
+// As of a keyframe that did not wait for the frame after it.
+TEST(WindowReplacement, AMotionThatIsKnownLaterIsAsOneThatWasKnownFromTheBeginning) {
+  const Pair pair;
+  Window told(WindowConfig(), true), revised(WindowConfig(), true);
+  for (Window* window : {&told, &revised}) pair.fill(*window, false);
+  const auto moving = [&](double factor) { return BodyMotion{factor / Pair::kExposure * pair.xi[0]}; };
+  revised.setMotion(0, moving(1.5));
+  const WindowSummary before = revised.optimize(0);
+  revised.setMotion(0, moving(1.0));
+  EXPECT_LT((revised.imageMotion(0) - pair.xi[0]).norm(), 1e-12) << "its image is blurred by it";
+  WindowSummary after, expected;
+  for (int i = 0; i < 5; ++i) {  // thresholds follow the residuals, from one time to the next
+    after = revised.optimize(0);
+    expected = told.optimize(0);
+  }
+  EXPECT_GT(before.rms, 2.0 * expected.rms);
+  EXPECT_LT(after.rms, 1.1 * expected.rms);
+  EXPECT_THROW(revised.setMotion(7, moving(1.0)), std::invalid_argument);
+}
+
 // What was read before has to be read again.
 TEST(WindowReplacement, AnExposureMayBeCorrectedAgain) {
   const Pair pair;
