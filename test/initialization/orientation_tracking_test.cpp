@@ -70,7 +70,7 @@ TEST(OrientationTracking, AVelocityDoesNotInheritWhatTheReferenceHasWrong) {
     const Eigen::Vector3d error = orientation.last().velocity.tail<3>() - angularVelocity(kInterval * i);
     if (i > 1) squares += error.squaredNorm();
   }
-  EXPECT_LT(std::sqrt(squares / (kCount - 2)), 0.2);
+  EXPECT_LT(std::sqrt(squares / (kCount - 2)), 0.09);
 }
 
 TEST(OrientationTracking, SaysWhenNothingCanBeSeenAndGoesOnAfterwards) {
