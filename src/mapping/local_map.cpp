@@ -151,7 +151,7 @@ KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const BodyM
   if (tracked.exposures) reviseExposures(*tracked.exposures);
   WindowKeyframe keyframe = windowKeyframe(tracked.frame, T_map_camera(tracked), motion, tracked.brightness);
   keyframe.blur_length_px = tracked.measures.blur_length_px;
-  revised_motion_.reset();
+  adoptRevisedMotion();
   addKeyframe(tracked.frame, std::move(keyframe));
   window_.addResidualsTo(newestKeyframe());
   const StageClock::time_point stage = StageClock::now();

@@ -54,16 +54,12 @@ void LocalMap::selectNewestPoints(KeyframeReport& report) {
   refinement_.next = Refinement::Piece::kBegin;
 }
 
-void LocalMap::reviseNewestMotion(const BodyMotion& motion) {
-  revised_motion_ = motion;
-  if (refinement_.next != Refinement::Piece::kIterate) adoptRevisedMotion();
-}
-
 void LocalMap::adoptRevisedMotion() {
   if (const auto motion = std::exchange(revised_motion_, std::nullopt)) window_.setMotion(newestKeyframe(), *motion);
 }
 
 void LocalMap::beginOptimization(KeyframeReport& report) {
+  adoptRevisedMotion();
   updateSlopes();
   alignBlurred(report.blur_length_px);
   const StageClock::time_point stage = StageClock::now();

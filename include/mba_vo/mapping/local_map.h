@@ -75,8 +75,8 @@ class LocalMap {
   bool refineWindow(KeyframeReport& report);
   /// The last piece at once, because the next keyframe cannot wait: the window stays as far as it is optimised.
   void refineWindowNoFurther(KeyframeReport& report);
-  /// How the newest keyframe moved is known better now. While the window is being optimised that waits for its end.
-  void reviseNewestMotion(const BodyMotion& motion);
+  /// How the newest keyframe moved is known better now. Adopted before or after an optimisation, never within it.
+  void reviseNewestMotion(const BodyMotion& motion) { revised_motion_ = motion; }
   /// That the next piece of the refinement goes through.
   int residualCount() const { return refinement_.next == Refinement::Piece::kSelect ? 0 : window_.residualCount(); }
 
@@ -152,9 +152,9 @@ class LocalMap {
   KeyframeId next_keyframe_ = 0;
   Refinement refinement_;
   std::optional<BodyMotion> revised_motion_;  // of the newest keyframe, to be adopted once the window is optimised
-  int departed_ = 0;                     // keyframes that have left the window
-  double activation_distance_px_ = 4.0;  // adapted so that the window holds about max_points
-  double depth_search_ms_ = 0.0;         // since the last keyframe
+  int departed_ = 0;                          // keyframes that have left the window
+  double activation_distance_px_ = 4.0;       // adapted so that the window holds about max_points
+  double depth_search_ms_ = 0.0;              // since the last keyframe
   std::vector<MapPoint> old_points_;
   bool archives_departing_;
   std::vector<ArchivedKeyframeConstPtr> just_departed_;
