@@ -97,10 +97,12 @@ BodyMotion FiniteDifferenceVelocity::motionOfLast() const {
 /// By the measured velocities, as far as the poses allow. Zero if there are too few.
 Eigen::Vector3d FiniteDifferenceVelocity::turnGainedTo(std::size_t i) const {
   if (i < 2 || secondsTo(i - 1) > kLongestGap) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d by_poses = (velocityTo(i) - velocityTo(i - 1)).tail<3>();
-  if (!poses_[i].measured || !poses_[i - 1].measured) return by_poses;
-  const double most = 0.5 * kMostJerk * secondsTo(i) * secondsTo(i);
-  return by_poses + bounded(measuredTurn(i) - measuredTurn(i - 1) - by_poses, most);
+  Eigen::Vector3d gained = (velocityTo(i) - velocityTo(i - 1)).tail<3>();
+  if (poses_[i].measured && poses_[i - 1].measured) {
+    const double most = 0.5 * kMostJerk * secondsTo(i) * secondsTo(i);
+    gained += bounded(measuredTurn(i) - measuredTurn(i - 1) - gained, most);
+  }
+  return gained;
 }
 
 Eigen::Vector3d FiniteDifferenceVelocity::measuredTurn(std::size_t i) const {
