@@ -16,7 +16,7 @@ constexpr double kMostKeyframeError = 2.0;  // times the error of the first fram
 TrackedFrameConstPtr KeyframeSelector::add(const TrackedFrameConstPtr& frame, const SE3& T_map_camera,
                                            const Reference& newest, bool busy) {
   motion_.add(frame->frame->mid_exposure_ns, T_map_camera, observedMotion(*frame));
-  if (std::exchange(hurried_, false)) motion_afterwards_ = motion_.motionOfMiddle();
+  if (std::exchange(hurried_, false) && motion_.knowsBothSides()) motion_afterwards_ = motion_.motionOfMiddle();
   if (candidate_ && !ready_) {
     taken_motion_ = motion_.motionOfMiddle();
     ready_ = true;

@@ -42,6 +42,10 @@ Vector6 FiniteDifferenceVelocity::velocityTo(std::size_t i) const {
   return (poses_[i - 1].T_map_camera.inverse() * poses_[i].T_map_camera).log() / secondsTo(i);
 }
 
+bool FiniteDifferenceVelocity::knowsBothSides() const {
+  return poses_.size() == kPoses && std::max(secondsTo(1), secondsTo(2)) <= kLongestGap;
+}
+
 Vector6 FiniteDifferenceVelocity::velocityOfMiddle() const {
   Vector6 velocities = Vector6::Zero();
   int count = 0;
@@ -53,9 +57,7 @@ Vector6 FiniteDifferenceVelocity::velocityOfMiddle() const {
   if (count == 0) return Vector6::Zero();
   Vector6 velocity = velocities / count;
   const auto measured = [&](const Pose& pose) { return pose.measured.has_value(); };
-  if (count + 1 < static_cast<int>(kPoses) || !std::all_of(poses_.begin(), poses_.end(), measured)) {
-    return velocity;
-  }
+  if (!knowsBothSides() || !std::all_of(poses_.begin(), poses_.end(), measured)) return velocity;
   // The central difference exceeds the velocity by a sixth of its second difference. An error that all measured
   // velocities have in common, that of the reference, cancels there. Hands change the rate of a turn so fast that it
   // counts, but not how fast they move: there it would only add the errors of the measured velocities.
@@ -66,11 +68,8 @@ Vector6 FiniteDifferenceVelocity::velocityOfMiddle() const {
 
 BodyMotion FiniteDifferenceVelocity::motionOfMiddle() const {
   BodyMotion motion{velocityOfMiddle()};
-  if (poses_.size() < kPoses) return motion;
-  const double before = secondsTo(1);
-  const double after = secondsTo(2);
-  if (std::max(before, after) > kLongestGap) return motion;
-  motion.acceleration = (velocityTo(2) - velocityTo(1)) / (0.5 * (before + after));
+  if (!knowsBothSides()) return motion;
+  motion.acceleration = (velocityTo(2) - velocityTo(1)) / (0.5 * (secondsTo(1) + secondsTo(2)));
   const auto& measured = poses_[1].measured;
   if (!measured || !measured->angular_acceleration) return motion;
   auto turn = motion.acceleration.tail<3>();

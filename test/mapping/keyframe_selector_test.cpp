@@ -42,6 +42,7 @@ class TurningCamera {
     need_ = KeyframePolicy({}).need(reference_, measureFrame(reference_, tracked->trajectory), {});
     return selector_.add(tracked, tracked->trajectory.T_reference_mid, reference_, true);
   }
+  void skip(std::uint64_t frames) { frames_ += frames; }
   /// Of the last frame.
   double need() const { return need_; }
   KeyframeSelector& selector() { return selector_; }
@@ -79,6 +80,15 @@ TEST(KeyframeSelector, OneThatCouldNotWaitGetsItsMotionByTheFrameAfterIt) {
   ASSERT_TRUE(motion);
   EXPECT_NEAR(motion->velocity(4), (0.52 - 0.02) / (2 * 1e-9 * kInterval), 1e-6);
   EXPECT_FALSE(camera.selector().takeMotionAfterwards()) << "once";
+}
+
+TEST(KeyframeSelector, AFrameThatComesTooLateSaysNothingOfItsMotion) {
+  TurningCamera camera;
+  for (const double turned : {0.0, 0.02}) EXPECT_FALSE(camera.see(turned));
+  ASSERT_TRUE(camera.see(0.42));
+  camera.skip(10);
+  camera.see(0.52);
+  EXPECT_FALSE(camera.selector().takeMotionAfterwards());
 }
 
 TEST(KeyframeSelector, OneThatWaitedNeedsNoOtherMotion) {

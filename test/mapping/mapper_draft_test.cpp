@@ -63,5 +63,30 @@ TEST(MapperDraft, AKeyframeWhoseViewIsBeingLeftDoesNotWaitForTheOneBefore) {
   EXPECT_GT(last->residuals, 0);
 }
 
+/// It waits no longer than the view stays, and moves as the frames on both sides say, once there are two.
+TEST(MapperDraft, AKeyframeThatDidNotWaitGetsItsMotionWhenTheNextFrameHasCome) {
+  Mapper mapper(config());
+  const Initialised initial = initialise(mapper);
+  ASSERT_NE(initial.output.reference, nullptr);
+  const auto frame = [&](int i) { return frames().at(static_cast<std::size_t>(initial.frames_used + i)); };
+  const auto turned = [&](int i, double angle) {
+    Vector6 turn = Vector6::Zero();
+    turn(4) = angle;
+    return mapper.process(report(frame(i), TrackingStatus::kTracking, initial.output.reference->id, SE3::exp(turn)));
+  };
+  const double interval = frame(1)->midExposureSeconds() - frame(0)->midExposureSeconds();
+  EXPECT_FALSE(turned(0, 0.0).inserted);
+  EXPECT_FALSE(turned(1, 0.02).inserted);
+  const MapperOutput draft = turned(2, 0.42);
+  ASSERT_TRUE(draft.inserted) << "the view is left all at once";
+  turned(3, 0.52);
+  ReferenceConstPtr refined;
+  while (mapper.needsRefinement()) refined = mapper.refine().reference;
+  ASSERT_NE(refined, nullptr);
+  ASSERT_EQ(refined->id.keyframe_id, draft.reference->id.keyframe_id);
+  EXPECT_NEAR(draft.reference->motion.velocity(4), (0.40 + 0.5 * (0.40 - 0.02)) / interval, 0.1);
+  EXPECT_NEAR(refined->motion.velocity(4), (0.52 - 0.02) / (2.0 * interval), 0.1);
+}
+
 }  // namespace
 }  // namespace mba_vo::test::mapper_draft_test

@@ -29,6 +29,8 @@ class FiniteDifferenceVelocity {
   /// Must be increasing in time; one that is not is ignored.
   void add(std::int64_t mid_exposure_ns, const SE3& T_map_camera, const std::optional<ObservedMotion>& measured);
 
+  /// There is a frame on both sides of the last but one, near enough to tell of it.
+  bool knowsBothSides() const;
   /// Of the last but one frame [m/s, rad/s, body frame]. Zero if fewer than two poses are known, or those on both sides
   /// are too far away in time.
   Vector6 velocityOfMiddle() const;
