@@ -9,8 +9,8 @@ seeds. The options after -- go to mba_vo_offline, --live above all.
 
 Poses: as mba_vo_evaluate measures it (docs/evaluation.md), 1, 5 and 10 s after the first pose; mean and median over the
 runs, and the rms of the errors and of what the covariance expects. Twists: of all images with a pose, by the twist and
-twist_covariance of frames.csv, against the true motion between the two true poses about the image; with a velocity by
-the blur (confidence > 0) and without. 1 is right, more means that the covariance promises too much.
+twist_covariance of frames.csv, against the true motion between the two true poses about the image; of images whose
+blur says enough of the velocity (confidence > 0) and others. 1 is right, more means that the covariance promises too much.
 """
 import argparse
 import concurrent.futures
@@ -82,7 +82,7 @@ def matrix(text):
 
 
 def twist_nees(folder, output, scale):
-    """Pairs of (measured by the blur, NEES), one for each image with a twist."""
+    """Of each image with a twist: whether the blur says enough, NEES (all, translation, rotation), errors."""
     times, twists = true_twists(folder)
     samples = []
     with open(os.path.join(output, "frames.csv")) as file:
@@ -94,7 +94,8 @@ def twist_nees(folder, output, scale):
             e = np.concatenate([twists[nearest, :3] / scale, twists[nearest, 3:]]) - v
             confident = float(row["blur_px"] or 0.0) >= OBSERVABLE_BLUR and v @ np.linalg.solve(P, v) > FREEDOMS
             samples.append((confident, e @ np.linalg.solve(P, e) / 6.0, e[:3] @ np.linalg.solve(P[:3, :3], e[:3]) / 3.0,
-                            e[3:] @ np.linalg.solve(P[3:, 3:], e[3:]) / 3.0))
+                            e[3:] @ np.linalg.solve(P[3:, 3:], e[3:]) / 3.0, scale * np.linalg.norm(e[:3]),
+                            np.degrees(np.linalg.norm(e[3:]))))
     return samples
 
 
@@ -144,12 +145,15 @@ def report(arguments, results):
             t, len(samples), *(of[k].mean() for k in kinds), *(np.median(of[k]) for k in kinds),
             1e3 * rms["position_error"], 1e3 * rms["position_sigma"], rms["rotation_error"], rms["rotation_sigma"]))
     twists = [s for _, _, samples in results for s in samples]
-    print("twists     images   mean: all  transl  rot     median: all transl  rot")
+    print("twists     images   mean: all  transl  rot     median: all transl  rot    error rms, median [mm/s]    [deg/s]")
     for name, wanted in (("by blur", True), ("otherwise", False)):
-        of = np.array([s[1:] for s in twists if s[0] == wanted]).reshape(-1, 3)
+        of = np.array([s[1:] for s in twists if s[0] == wanted]).reshape(-1, 5)
         if of.size:
-            print("%-10s %6d       %6.2f %6.2f %6.2f        %6.2f %6.2f %6.2f" % (
-                name, len(of), *of.mean(axis=0), *np.median(of, axis=0)))
+            ratios, errors = of[:, :3], of[:, 3:]
+            rms, median = np.sqrt((errors ** 2).mean(axis=0)), np.median(errors, axis=0)
+            print("%-10s %6d       %6.2f %6.2f %6.2f        %6.2f %6.2f %6.2f           %6.1f  %6.1f     %6.2f %6.2f" % (
+                name, len(of), *ratios.mean(axis=0), *np.median(ratios, axis=0), 1e3 * rms[0], 1e3 * median[0],
+                rms[1], median[1]))
 
 
 def main():

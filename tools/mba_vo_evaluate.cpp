@@ -116,8 +116,8 @@ std::vector<mba_vo::PlottedEstimate> plottedEstimates(const mba_vo::RunReport& r
 void evaluateRunFolder(const Arguments& arguments) {
   const auto groundtruth = readGroundTruth(arguments);
   const bool exposures = groundtruth.front().exposure.has_value();
-  const mba_vo::RunFolder run = mba_vo::readRunFolder(
-      arguments.run_folder, exposures ? mba_vo::SmoothedForm::kExposures : mba_vo::SmoothedForm::kPoses);
+  const mba_vo::RunFolder run =
+      mba_vo::readRunFolder(arguments.run_folder, exposures ? mba_vo::PoseForm::kExposures : mba_vo::PoseForm::kPoses);
   const mba_vo::RunReport report = mba_vo::evaluateRun(groundtruth, run, arguments.options);
   mba_vo::writeRunTable(report, std::cout);
   if (!arguments.plot_file.empty()) {

@@ -73,28 +73,39 @@ FrameDrops dropsAmongFrames(const std::vector<LoggedFrame>& frames, const std::v
   return countDrops(has_pose);
 }
 
-std::optional<ExposureEvaluation> evaluateExposures(const MatchedPoses& matched, double scale, double min_blur) {
+/// Start and end poses as poses of their own.
+std::vector<PosePair> alignedEnds(const MatchedPoses& matched, const Similarity& alignment) {
+  std::vector<PosePair> ends;
+  for (const Association& pair : matched.pairs) {
+    const PoseRecord& truth = matched.groundtruth[pair.groundtruth];
+    const auto& estimated = matched.estimate[pair.estimate].exposure;
+    if (!truth.exposure || !estimated) continue;
+    ends.push_back({truth.time, truth.exposure->T_world_start, alignment * estimated->T_world_start});
+    ends.push_back({truth.time, truth.exposure->T_world_end, alignment * estimated->T_world_end});
+  }
+  return ends;
+}
+
+std::optional<ExposureEvaluation> evaluateExposures(const MatchedPoses& matched, const Similarity& alignment,
+                                                    double min_blur) {
+  const std::vector<PosePair> ends = alignedEnds(matched, alignment);
+  if (ends.empty()) return std::nullopt;
   std::vector<double> directions;
   std::vector<double> ratios;
   std::vector<double> length_errors;
-  bool available = false;
   for (const Association& pair : matched.pairs) {
     const auto& truth = matched.groundtruth[pair.groundtruth].exposure;
     const auto& estimated = matched.estimate[pair.estimate].exposure;
-    if (!truth || !estimated) {
-      continue;
-    }
-    available = true;
-    if (const auto error = compareExposureMotion(*truth, *estimated, scale, min_blur)) {
+    if (!truth || !estimated) continue;
+    if (const auto error = compareExposureMotion(*truth, *estimated, alignment.scale, min_blur)) {
       directions.push_back(error->direction);
       ratios.push_back(error->length_ratio);
       length_errors.push_back(std::abs(error->length_ratio - 1.0));
     }
   }
-  if (!available) {
-    return std::nullopt;
-  }
   ExposureEvaluation evaluation;
+  evaluation.ends = summarize(absoluteErrors(ends));
+  evaluation.ends_rotation = summarize(rotationErrors(ends));
   constexpr double kRightAngle = 90.0;  // [deg]
   evaluation.reversed = static_cast<std::size_t>(
       std::count_if(directions.begin(), directions.end(), [](double angle) { return angle > kRightAngle; }));
@@ -140,7 +151,7 @@ EvaluationReport evaluateTrajectory(const std::vector<PoseRecord>& groundtruth, 
   for (const LoggedFrame& frame : frame_log) {
     ++report.frames_by_status[frame.status];
   }
-  report.exposure = evaluateExposures(matched, report.alignment.scale, options.min_blur);
+  report.exposure = evaluateExposures(matched, report.alignment, options.min_blur);
   return report;
 }
 

@@ -24,6 +24,8 @@ void writeErrors(const EvaluationReport& report, std::ostream& out) {
   writeStatisticsRow(out, "RPE" + interval + ", translation [m]", report.relative_translation, kMillimetreHundredths);
   writeStatisticsRow(out, "RPE" + interval + ", rotation [deg]", report.relative_rotation, kDecimals);
   if (report.exposure) {
+    writeStatisticsRow(out, "start and end, ATE [m]", report.exposure->ends, kMillimetreHundredths);
+    writeStatisticsRow(out, "start and end, rotation [deg]", report.exposure->ends_rotation, kDecimals);
     writeStatisticsRow(out, "within the exposure, direction [deg]", report.exposure->direction, kDecimals);
     writeStatisticsRow(out, "within the exposure, length ratio", report.exposure->length_ratio, kDecimals);
     writeStatisticsRow(out, "within the exposure, |ratio - 1|", report.exposure->length_error, kDecimals);
@@ -77,6 +79,8 @@ void writeYaml(const EvaluationReport& report, std::ostream& out, const std::str
   writeYamlStatistics(out, indent, "rpe_rotation", report.relative_rotation);
   if (report.exposure) {
     out << indent << "exposure:\n";
+    writeYamlStatistics(out, indent + "  ", "ends", report.exposure->ends);
+    writeYamlStatistics(out, indent + "  ", "ends_rotation", report.exposure->ends_rotation);
     writeYamlStatistics(out, indent + "  ", "direction", report.exposure->direction);
     writeYamlStatistics(out, indent + "  ", "length_ratio", report.exposure->length_ratio);
     writeYamlStatistics(out, indent + "  ", "length_error", report.exposure->length_error);

@@ -40,22 +40,34 @@ std::vector<PoseRecord> readOnlinePoses(const fs::path& file) {
   return readPosesIfAny(file.string());
 }
 
-std::vector<PoseRecord> readSmoothedPoses(const fs::path& folder, SmoothedForm form) {
+/// Start and end poses, of the images whose poses at mid-exposure are `poses`.
+void addExposures(const fs::path& file, std::vector<PoseRecord>& poses) {
+  if (!fs::exists(file)) return;  // an earlier version did not write it
+  const std::vector<PoseRecord> exposures = readPosesIfAny(file.string());
+  if (exposures.size() != poses.size()) {
+    throw std::runtime_error(file.string() + ": " + std::to_string(exposures.size()) + " poses, and " +
+                             std::to_string(poses.size()) + " in online_trajectory.txt; there must be as many");
+  }
+  for (std::size_t i = 0; i < poses.size(); ++i) poses[i].exposure = exposures[i].exposure;
+}
+
+std::vector<PoseRecord> readSmoothedPoses(const fs::path& folder, PoseForm form) {
   const fs::path exposures = folder / "exposure_trajectory.txt";
-  const bool with_exposures = form == SmoothedForm::kExposures && fs::exists(exposures);
+  const bool with_exposures = form == PoseForm::kExposures && fs::exists(exposures);
   const fs::path file = with_exposures ? exposures : folder / "trajectory.txt";
   return fs::exists(file) ? readPosesIfAny(file.string()) : std::vector<PoseRecord>();
 }
 
 }  // namespace
 
-RunFolder readRunFolder(const std::string& folder, SmoothedForm form) {
+RunFolder readRunFolder(const std::string& folder, PoseForm form) {
   const fs::path path(folder);
   if (!fs::is_directory(path)) {
     throw std::runtime_error(folder + ": no such folder");
   }
   RunFolder run;
   run.online_trajectory = readOnlinePoses(path / "online_trajectory.txt");
+  if (form == PoseForm::kExposures) addExposures(path / "online_exposure_trajectory.txt", run.online_trajectory);
   run.online_odometry = readOnlinePoses(path / "online_odometry.txt");
   run.smoothed = readSmoothedPoses(path, form);
   const CsvTable table = readCsv((path / "frames.csv").string());

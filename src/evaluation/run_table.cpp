@@ -40,6 +40,10 @@ void writeErrors(const std::string& name, const TrajectoryFigures& figures, std:
   constexpr int kDegreeDecimals = 3;
   writeStatisticsRow(out, name + ", ATE [m]", figures.report ? figures.report->absolute : none, kMillimetreHundredths);
   writeStatisticsRow(out, name + ", rotation [deg]", figures.report ? figures.report->rotation : none, kDegreeDecimals);
+  if (!figures.report || !figures.report->exposure) return;
+  const ExposureEvaluation& exposure = *figures.report->exposure;
+  writeStatisticsRow(out, "  start and end, ATE [m]", exposure.ends, kMillimetreHundredths);
+  writeStatisticsRow(out, "  start and end, rotation [deg]", exposure.ends_rotation, kDegreeDecimals);
 }
 
 void writeOrigin(const std::string& name, const TrajectoryFigures& figures, std::ostream& out) {

@@ -40,6 +40,10 @@ void writeTrajectory(const std::string& name, const TrajectoryFigures& figures, 
   writeYamlStatistics(out, indent, "rotation", report.rotation);
   writeYamlStatistics(out, indent, "rpe_translation", report.relative_translation);
   writeYamlStatistics(out, indent, "rpe_rotation", report.relative_rotation);
+  if (report.exposure) {
+    writeYamlStatistics(out, indent, "ends", report.exposure->ends);
+    writeYamlStatistics(out, indent, "ends_rotation", report.exposure->ends_rotation);
+  }
   out << indent << "maps: " << report.maps << "\n";
   out << indent << "poses: " << report.pairs.size() << "\n";
   out << indent << "poses_in_other_maps: " << report.poses_in_other_maps << "\n";

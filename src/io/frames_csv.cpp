@@ -47,7 +47,7 @@ std::string uncertaintyText(const std::optional<OnlinePose>& pose) {
   if (!pose) return ",,";
   std::ostringstream text;
   const Eigen::IOFormat in_a_row(kMicroseconds, Eigen::DontAlignCols);
-  text << upperTriangle(pose->covariance) << "," << pose->velocity.transpose().format(in_a_row) << ","
+  text << upperTriangle(pose->covariance) << "," << pose->in_map.velocity.transpose().format(in_a_row) << ","
        << upperTriangle(pose->velocity_covariance);
   return text.str();
 }

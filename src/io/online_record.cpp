@@ -25,9 +25,11 @@ OnlineRecord::OnlineRecord(const std::string& folder) : folder_(folder) {
   if (error) throw std::runtime_error(folder + ": cannot be made: " + error.message());
   const std::filesystem::path path(folder);
   trajectory_file_ = open(path / "online_trajectory.txt");
+  exposures_file_ = open(path / "online_exposure_trajectory.txt");
   odometry_file_ = open(path / "online_odometry.txt");
   frames_file_ = open(path / "frames.csv");
   trajectory_ = std::make_unique<PoseLines>(trajectory_file_, kOnlineTrajectory);
+  exposures_ = std::make_unique<ExposureLines>(exposures_file_, kOnlineTrajectory);
   odometry_ = std::make_unique<PoseLines>(odometry_file_, kOnlineOdometry);
   writeFramesHeader(frames_file_);
 }
@@ -60,11 +62,12 @@ void OnlineRecord::write(const FrameRecord& record) {
   errno = 0;
   writeFrame(record, frames_file_);
   if (record.online) {
-    trajectory_->write(record.mid_exposure_ns, record.online->map, record.online->T_map_camera);
+    trajectory_->write(record.mid_exposure_ns, record.online->map, record.online->in_map.T_reference_mid);
+    exposures_->write(record.mid_exposure_ns, record.online->map, record.online->in_map);
     odometry_->write(record.mid_exposure_ns, record.online->map, record.online->T_odom_camera);
   }
   // A run that is killed leaves what it has published.
-  failed_ = !frames_file_.flush() || !trajectory_file_.flush() || !odometry_file_.flush();
+  failed_ = !frames_file_.flush() || !trajectory_file_.flush() || !exposures_file_.flush() || !odometry_file_.flush();
   if (failed_) {
     throw std::runtime_error(cannotBeWritten(folder_) + "; what is published is no longer written down");
   }

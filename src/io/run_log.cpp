@@ -40,8 +40,14 @@ void takePublished(const PublishedImage& image, FrameRecord& record) {
   record.published = image.published;
   if (!tracked.hasPose()) return;
   const SE3& T_odom_camera = image.step.T_odom_camera;
-  record.online = {tracked.reference.map_id,   image.step.T_map_odom * T_odom_camera, T_odom_camera,
-                   image.step.covariance.odom, tracked.trajectory.velocity,           image.step.covariance.velocity};
+  const BodyMotion& motion = image.step.motion;
+  const SE3 T_map_camera = image.step.T_map_odom * T_odom_camera;
+  const double exposure = tracked.trajectory.exposure;
+  record.online = {tracked.reference.map_id,
+                   {T_map_camera, motion.velocity, exposure, motion.acceleration},
+                   T_odom_camera,
+                   image.step.covariance.odom,
+                   image.step.covariance.velocity};
 }
 
 }  // namespace

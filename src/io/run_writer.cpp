@@ -131,6 +131,7 @@ void writeRun(const std::string& folder, const OfflineResult& result,
   write("trajectory.txt", [&](std::ostream& out) { writeTrajectory(result.trajectory, out); });
   write("exposure_trajectory.txt", [&](std::ostream& out) { writeExposureTrajectory(result.trajectory, out); });
   write("online_trajectory.txt", [&](std::ostream& out) { writeOnlineTrajectory(result.log.frames(), out); });
+  write("online_exposure_trajectory.txt", [&](std::ostream& out) { writeOnlineExposures(result.log.frames(), out); });
   write("online_odometry.txt", [&](std::ostream& out) { writeOnlineOdometry(result.log.frames(), out); });
   write("points.txt", [&](std::ostream& out) { writePoints(result.points, out); });
   write("frames.csv", [&](std::ostream& out) { writeFrames(result.log.frames(), out); });

@@ -45,6 +45,20 @@ void PoseLines::write(std::int64_t mid_exposure_ns, MapId map, const SE3& pose) 
   out_ << "\n";
 }
 
+ExposureLines::ExposureLines(std::ostream& out, const std::string& what) : out_(out) {
+  out_ << "# " << what
+       << ", optical frame: t_mid[s] exposure[s] then start pose and end pose, each tx ty tz qx qy qz qw\n"
+       << std::fixed << std::setprecision(9);
+}
+
+void ExposureLines::write(std::int64_t mid_exposure_ns, MapId map, const ExposureTrajectory& trajectory) {
+  if (std::exchange(last_map_, map) != map) out_ << "# map " << map << "\n";
+  out_ << formatSeconds(mid_exposure_ns) << " " << trajectory.exposure;
+  writePose(trajectory.start(), out_);
+  writePose(trajectory.end(), out_);
+  out_ << "\n";
+}
+
 void writeTrajectory(const std::vector<TrajectoryEntry>& entries, std::ostream& out) {
   PoseLines lines(out, "camera to map");
   for (const TrajectoryEntry& entry : entries) {
@@ -53,23 +67,21 @@ void writeTrajectory(const std::vector<TrajectoryEntry>& entries, std::ostream& 
 }
 
 void writeExposureTrajectory(const std::vector<TrajectoryEntry>& entries, std::ostream& out) {
-  out << "# t_mid[s] exposure[s] then start pose and end pose (camera to map, optical frame), each tx ty tz qx qy qz "
-         "qw\n"
-      << std::fixed << std::setprecision(9);
-  std::optional<MapId> last_map;
-  for (const TrajectoryEntry& entry : entries) {
-    if (std::exchange(last_map, entry.map_id) != entry.map_id) out << "# map " << entry.map_id << "\n";
-    out << formatSeconds(entry.mid_exposure_ns) << " " << entry.trajectory.exposure;
-    writePose(entry.trajectory.start(), out);
-    writePose(entry.trajectory.end(), out);
-    out << "\n";
-  }
+  ExposureLines lines(out, "camera to map");
+  for (const TrajectoryEntry& entry : entries) lines.write(entry.mid_exposure_ns, entry.map_id, entry.trajectory);
 }
 
 void writeOnlineTrajectory(const std::vector<FrameRecord>& frames, std::ostream& out) {
   PoseLines lines(out, kOnlineTrajectory);
   for (const FrameRecord& frame : frames) {
-    if (frame.online) lines.write(frame.mid_exposure_ns, frame.online->map, frame.online->T_map_camera);
+    if (frame.online) lines.write(frame.mid_exposure_ns, frame.online->map, frame.online->in_map.T_reference_mid);
+  }
+}
+
+void writeOnlineExposures(const std::vector<FrameRecord>& frames, std::ostream& out) {
+  ExposureLines lines(out, kOnlineTrajectory);
+  for (const FrameRecord& frame : frames) {
+    if (frame.online) lines.write(frame.mid_exposure_ns, frame.online->map, frame.online->in_map);
   }
 }
 

@@ -239,6 +239,7 @@ MeasuredMotion TrackerWorker::motionOf(const TrackerStep& step, const TrackedFra
   MeasuredMotion motion;
   motion.tracked = tracked;
   motion.T_odom_camera = T_odom_camera;
+  motion.motion = step.motion;
   motion.T_map_odom = step.T_map_odom;
   motion.T_base_camera = extrinsic_.T_base_camera();
   motion.camera_frame = step.message.mount.camera_frame;

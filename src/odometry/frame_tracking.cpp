@@ -54,6 +54,7 @@ void FrameTracking::reset() {
   judge_.reset();
   exposures_.reset();
   T_odom_camera_ = SE3();
+  velocity_ = {};
   T_odom_reference_ = SE3();
 }
 
@@ -104,7 +105,12 @@ void FrameTracking::goOnFrom(const TrackedFrame& tracked) {
   if (!tracked.tracked()) return lost_.lose(tracked.frame->mid_exposure_ns, false);
   lost_.find();
   state_.update(tracked);
+  moveWith(tracked);
+}
+
+void FrameTracking::moveWith(const TrackedFrame& tracked) {
   T_odom_camera_ = T_odom_reference_ * tracked.trajectory.T_reference_mid;
+  velocity_.add(tracked, T_odom_camera_);
 }
 
 std::shared_ptr<TrackedFrame> FrameTracking::trackAhead(const FrameConstPtr& given, TrackingState& newest) {
@@ -117,7 +123,7 @@ std::shared_ptr<TrackedFrame> FrameTracking::trackAhead(const FrameConstPtr& giv
   if (!given->exposure) tracked->exposures = exposures_.history();
   tracked->provisional = true;
   newest.update(*tracked);
-  T_odom_camera_ = T_odom_reference_ * tracked->trajectory.T_reference_mid;
+  moveWith(*tracked);
   return tracked;
 }
 

@@ -156,8 +156,7 @@ TrackerStep TrackerPipeline::takeFrame(const FrameConstPtr& frame) {
 std::string TrackerPipeline::relieve() {
   if (loop_.phase() == TrackingPhase::kGoingBack) return "";
   const bool waited = !std::exchange(idle_since_image_, false);
-  if (!load_.isTooHigh(waited || loop_.phase() == TrackingPhase::kCatchingUp)) return "";
-  return intake_.halve();
+  return load_.isTooHigh(waited || loop_.phase() == TrackingPhase::kCatchingUp) ? intake_.halve() : std::string();
 }
 
 TrackerStep TrackerPipeline::takeImage(const CameraImage& image) {
@@ -200,12 +199,12 @@ void TrackerPipeline::track(const FrameConstPtr& frame, bool frozen, TrackerStep
   step.failed_leap = loop_.hasFailedToLeap();
   step.T_odom_camera = loop_.T_odom_camera();
   step.T_map_odom = loop_.T_map_odom();
-  step.covariance = covariance_.update(*tracked, step.T_odom_camera, step.T_map_odom);
-  if (loop_.reference() && (tracked->orientation_only || tracked->predicted)) {
-    step.predicted_T_odom_camera = step.T_odom_camera;
-  } else if (tracked->status == TrackingStatus::kLost) {
+  step.motion = tracked->tracked() ? loop_.velocity().motion : tracked->trajectory.motion();
+  step.covariance = covariance_.update(*tracked, loop_.velocity(), step.T_odom_camera, step.T_map_odom);
+  const bool reckoned = loop_.reference() && (tracked->orientation_only || tracked->predicted);
+  if (reckoned) step.predicted_T_odom_camera = step.T_odom_camera;
+  if (!reckoned && tracked->status == TrackingStatus::kLost)
     step.predicted_T_odom_camera = loop_.predicted_T_odom_camera(frame->mid_exposure_ns);
-  }
   last_ = step;
 }
 
@@ -225,6 +224,7 @@ void TrackerPipeline::repeat(const CameraImage& image, TrackerStep& step) const 
   step.exposure = last_.exposure;
   step.repeated = stampedAgain(*last_.message.tracked, image.sequence, image.stamp_ns);
   step.T_odom_camera = last_.T_odom_camera;
+  step.motion = last_.motion;
   step.T_map_odom = last_.T_map_odom;
   step.covariance = last_.covariance;
 }

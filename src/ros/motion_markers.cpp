@@ -64,11 +64,10 @@ std_msgs::ColorRGBA between(const std_msgs::ColorRGBA& a, const std_msgs::ColorR
 }
 
 /// Poses of the camera from the start of the exposure to its end.
-std::vector<SE3> sweptPoses(const SE3& T_map_reference, const ExposureTrajectory& trajectory) {
+std::vector<SE3> sweptPoses(const SE3& T_world_odom, const ExposureTrajectory& trajectory) {
   std::vector<SE3> poses;
   for (int i = 0; i <= kSweptParts; ++i) {
-    poses.push_back(T_map_reference *
-                    trajectory.at(trajectory.exposure * (static_cast<double>(i) / kSweptParts - 0.5)));
+    poses.push_back(T_world_odom * trajectory.at(trajectory.exposure * (static_cast<double>(i) / kSweptParts - 0.5)));
   }
   return poses;
 }
@@ -113,9 +112,7 @@ visualization_msgs::MarkerArray makeMarkers(const MeasuredMotion& motion, const 
   const PinholeCamera& camera = tracked.frame->pyramid.level(0).camera;
   const double unit = medianDepth(reference);
   const Corners corners = imageCorners(camera, kFrustumLength * unit);
-  const SE3 T_map_reference =
-      motion.T_base_camera * motion.T_map_odom * motion.T_odom_camera * tracked.trajectory.T_reference_mid.inverse();
-  const std::vector<SE3> poses = sweptPoses(T_map_reference, tracked.trajectory);
+  const std::vector<SE3> poses = sweptPoses(motion.T_base_camera * motion.T_map_odom, exposureInOdom(motion));
 
   std_msgs::Header header;
   header.frame_id = map_frame;

@@ -19,6 +19,11 @@ boost::array<double, 36> toArray(const Matrix6& matrix) {
 
 }  // namespace
 
+ExposureTrajectory exposureInOdom(const MeasuredMotion& motion) {
+  return {motion.T_odom_camera, motion.motion.velocity, motion.tracked->trajectory.exposure,
+          motion.motion.acceleration};
+}
+
 Matrix6 poseCovariance(const Matrix6& camera_increment, const SE3& T_base_camera, const SE3& T_world_base) {
   // T_b T Exp(d) T_b^-1 = (T_b T T_b^-1) Exp(Ad d): the increment seen in the base; then turned into the parent's axes.
   Matrix6 J = Matrix6::Zero();
@@ -45,7 +50,7 @@ nav_msgs::Odometry makeOdometry(const MeasuredMotion& motion, const FrameNames& 
   const TrackedFrame& tracked = *motion.tracked;
   const SE3 T_odom_base = toBaseWorld(motion.T_odom_camera, motion.T_base_camera);
   const Matrix6 Ad = motion.T_base_camera.adjoint();
-  const Vector6 velocity = Ad * tracked.trajectory.velocity;
+  const Vector6 velocity = Ad * motion.motion.velocity;
 
   nav_msgs::Odometry odometry;
   odometry.header.stamp = toRosTime(tracked.frame->mid_exposure_ns);
@@ -72,19 +77,18 @@ geometry_msgs::PoseWithCovarianceStamped makePose(const MeasuredMotion& motion, 
 
 ExposureMotion makeExposureMotion(const MeasuredMotion& motion, const FrameNames& frames) {
   const TrackedFrame& tracked = *motion.tracked;
-  // The world of the base is that of the camera seen through the extrinsic.
-  const SE3 T_odom_reference =
-      motion.T_base_camera * motion.T_odom_camera * tracked.trajectory.T_reference_mid.inverse();
+  const ExposureTrajectory in_odom = exposureInOdom(motion);
   ExposureMotion message;
   message.header.stamp = toRosTime(tracked.frame->stamp_ns);
   message.header.frame_id = frames.odom_frame;
   message.child_frame_id = motion.camera_frame;
   message.mid_time = toRosTime(tracked.frame->mid_exposure_ns);
   // The first orientation before a map is no motion within an exposure yet.
-  const double exposure = tracked.trajectory.exposure;
+  const double exposure = in_odom.exposure;
   message.exposure_time = exposure > 0.0 ? exposure : exposureToMessage(tracked.frame->exposure);
-  message.start = toPoseMsg(T_odom_reference * tracked.trajectory.start());
-  message.end = toPoseMsg(T_odom_reference * tracked.trajectory.end());
+  // The world of the base is that of the camera seen through the extrinsic.
+  message.start = toPoseMsg(motion.T_base_camera * in_odom.start());
+  message.end = toPoseMsg(motion.T_base_camera * in_odom.end());
   message.blur_length = tracked.measures.blur_length_px;
   message.confidence = motionConfidence(tracked);
   message.map_id = tracked.orientation_only ? 0 : tracked.reference.map_id;

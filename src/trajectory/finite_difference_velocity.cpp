@@ -11,6 +11,9 @@ constexpr double kLongestGap = 0.15;  // [s] the velocity is not constant over l
 // [rad/s^3] What a measured turn says beyond it is an error, of which one in twenty has tenths of a rad/s
 // (docs/decisions/2026-11-28-motion-of-keyframes.md).
 constexpr double kMostJerk = 550.0;
+// Of what a way gained from one interval to the next, so much is gained until the end of the second: 1/2 if it were
+// accelerated evenly for long, less as hands change their mind (same table).
+constexpr double kWayGained = 1.0 / 3.0;
 
 Eigen::Vector3d bounded(const Eigen::Vector3d& v, double most) {
   return v * std::min(1.0, most / std::max(v.norm(), 1e-12));
@@ -44,6 +47,10 @@ Vector6 FiniteDifferenceVelocity::velocityTo(std::size_t i) const {
 
 bool FiniteDifferenceVelocity::knowsBothSides() const {
   return poses_.size() == kPoses && std::max(secondsTo(1), secondsTo(2)) <= kLongestGap;
+}
+
+bool FiniteDifferenceVelocity::knowsBefore() const {
+  return poses_.size() > 1 && secondsTo(poses_.size() - 1) <= kLongestGap;
 }
 
 Vector6 FiniteDifferenceVelocity::velocityOfMiddle() const {
@@ -90,6 +97,24 @@ BodyMotion FiniteDifferenceVelocity::motionOfLast() const {
     motion.velocity = velocityTo(last);
     motion.velocity.tail<3>() += 0.5 * turnGainedTo(last);
   }
+  return motion;
+}
+
+BodyMotion FiniteDifferenceVelocity::bestOfLast() const {
+  BodyMotion motion = motionOfLast();
+  if (!knowsBefore()) return motion;
+  const std::size_t last = poses_.size() - 1;
+  const Vector6 mean = velocityTo(last);
+  motion.velocity.head<3>() = mean.head<3>();
+  if (last < 2 || secondsTo(last - 1) > kLongestGap) return motion;
+  motion.velocity.head<3>() += kWayGained * (mean - velocityTo(last - 1)).head<3>();
+  const auto& measured = poses_[last].measured;
+  if (!measured || measured->angular_acceleration) return motion;
+  // What it has gained and what is measured, both bounded: their errors differ.
+  const Eigen::Vector3d evenly = 1.5 * mean.tail<3>() - 0.5 * velocityTo(last - 1).tail<3>();
+  const double most = 0.5 * kMostJerk * secondsTo(last) * secondsTo(last);
+  const Eigen::Vector3d by_blur = evenly + bounded(measuredTurn(last) - evenly, most);
+  motion.velocity.tail<3>() = 0.5 * (motion.velocity.tail<3>() + by_blur);
   return motion;
 }
 

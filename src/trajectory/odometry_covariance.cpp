@@ -18,11 +18,6 @@ constexpr double kCorrectionShare = 0.06;  // of the squares of what the map is 
 constexpr double kFirstScale = 6e-3;       // standard deviation of the scale that a map begins with
 constexpr double kScaleDrift = 3e-4;       // and of its drift with each keyframe
 
-constexpr double kMemory = 2.0;              // [s] of the accelerations
-constexpr double kLag = 1.5;                 // [frame intervals] of a velocity that was predicted, see MotionState
-constexpr double kUnmeasuredVariance = 1e6;  // of what nothing has measured [m^2, m^2/s^2, rad^2/s^2]
-constexpr double kUnknownExposureSigma = 1;  // of the log of an exposure that nobody told
-
 Matrix6 seenThrough(const SE3& T, const Matrix6& covariance) {
   const Matrix6 Ad = T.adjoint();
   return Ad * covariance * Ad.transpose();
@@ -43,8 +38,8 @@ Matrix12 alignmentCovariance(const TrackedFrame& tracked) {
   return (kNoiseShare + badness * badness) * tracked.covariance;
 }
 
-MotionCovariance OdometryCovariance::update(const TrackedFrame& tracked, const SE3& T_odom_camera,
-                                            const SE3& T_map_odom) {
+MotionCovariance OdometryCovariance::update(const TrackedFrame& tracked, const VelocityEstimate& velocity,
+                                            const SE3& T_odom_camera, const SE3& T_map_odom) {
   if (!tracked.hasPose() && !tracked.orientation_only) {
     lost_ = true;
     return {};
@@ -54,7 +49,7 @@ MotionCovariance OdometryCovariance::update(const TrackedFrame& tracked, const S
   const bool same_map = has_map_ && last_->reference.map_id == tracked.reference.map_id;
   if (has_map_ && !same_map) closeMap(T_odom_camera, seconds);
   const SE3 T_camera_odom = T_odom_camera.inverse();
-  if (!tracked.tracked()) return reckoned(tracked, T_camera_odom, seconds);
+  if (!tracked.tracked()) return reckoned(tracked, velocity, T_camera_odom, seconds);
   if (has_map_) {
     goOnInMap(tracked, T_odom_camera, T_map_odom);
   } else {
@@ -65,17 +60,18 @@ MotionCovariance OdometryCovariance::update(const TrackedFrame& tracked, const S
   const Vector6 left_behind = (T_camera_odom * T_map_odom_first_.inverse() * T_map_odom * T_odom_camera).log();
   result.map = seenThrough(T_camera_odom, map_ + keyframe_) + scaleErrors(T_odom_camera) + alignment;
   result.odom = result.map + seenThrough(T_camera_odom, before_) + squareOf(left_behind);
-  observeMotion(tracked, seconds);
-  result.velocity = velocityCovariance(tracked, seconds);
+  observeSpeed(velocity.motion.velocity);
+  result.velocity = velocity.covariance;
   last_ = {tracked.reference, now, T_odom_camera, T_map_odom, alignment, result};
   lost_ = false;
   return result;
 }
 
 /// The rotation is measured. Where a map was left a moment ago, the position is predicted from the velocity of then.
-MotionCovariance OdometryCovariance::reckoned(const TrackedFrame& tracked, const SE3& T_camera_odom, double seconds) {
+MotionCovariance OdometryCovariance::reckoned(const TrackedFrame& tracked, const VelocityEstimate& velocity,
+                                              const SE3& T_camera_odom, double seconds) {
   MotionCovariance result;
-  result.velocity = kUnmeasuredVariance * Matrix6::Identity();
+  result.velocity = unmeasuredVelocity();
   Matrix6 since = tracked.covariance.topLeftCorner<6, 6>();
   if (!has_map_) {
     result.map = since;
@@ -83,24 +79,24 @@ MotionCovariance OdometryCovariance::reckoned(const TrackedFrame& tracked, const
     return result;
   }
   lost_ = true;
-  since.topLeftCorner<3, 3>() = placeVariance(seconds) * Eigen::Matrix3d::Identity();
+  since.topLeftCorner<3, 3>() = placeVariance(velocity, seconds) * Eigen::Matrix3d::Identity();
   const SE3 T_camera_last = T_camera_odom * last_->T_odom_camera;
   result.map = seenThrough(T_camera_last, last_->covariance.map) + since;
   result.odom = seenThrough(T_camera_last, last_->covariance.odom) + since;
   if (!tracked.predicted) return result;
   result.velocity =
-      last_->covariance.velocity + seconds * seconds * isotropic(acceleration_.linear, acceleration_.angular);
+      velocity.covariance + seconds * seconds * isotropic(velocity.linear_acceleration, velocity.angular_acceleration);
   return result;
 }
 
 /// Of each coordinate of a place that many seconds after the last pose [m^2]. A velocity counts as far as it is known,
 /// so that the place errs by no more than if the camera had been taken to stand still.
-double OdometryCovariance::placeVariance(double seconds) const {
+double OdometryCovariance::placeVariance(const VelocityEstimate& velocity, double seconds) const {
   const double predicted = std::min(seconds, kLongestPrediction);
   const double unmeasured = seconds - predicted;
   const double speed = speed_.linear / 3.0;
-  const double velocity = std::min(speed, last_->covariance.velocity.diagonal().head<3>().mean());
-  return velocity * predicted * predicted + 0.25 * std::pow(predicted, 4) * acceleration_.linear +
+  const double unknown = std::min(speed, velocity.covariance.diagonal().head<3>().mean());
+  return unknown * predicted * predicted + 0.25 * std::pow(predicted, 4) * velocity.linear_acceleration +
          speed * unmeasured * unmeasured;
 }
 
@@ -123,7 +119,7 @@ void OdometryCovariance::beginMap(const TrackedFrame& tracked, const SE3& T_odom
   scales_ = {};
   changeScale(T_odom_camera.translation(), kFirstScale);
   T_map_odom_first_ = T_map_odom;
-  speed_ = acceleration_ = {};
+  speed_ = {};
   frames_ = 0;
   has_map_ = true;
 }
@@ -164,35 +160,10 @@ Matrix6 OdometryCovariance::scaleErrors(const SE3& T_odom_camera) const {
   return errors;
 }
 
-void OdometryCovariance::observeMotion(const TrackedFrame& tracked, double seconds) {
-  const Vector6& velocity = tracked.trajectory.velocity;
+void OdometryCovariance::observeSpeed(const Vector6& velocity) {
   const double weight = 1.0 / static_cast<double>(++frames_);
   speed_.linear += weight * (velocity.head<3>().squaredNorm() - speed_.linear);
   speed_.angular += weight * (velocity.tail<3>().squaredNorm() - speed_.angular);
-  if (frames_ > 1 && seconds > 0.0 && seconds < kLongestPrediction) {
-    const Vector6 acceleration = (velocity - velocity_) / seconds;
-    const double share = std::max(1.0 / static_cast<double>(frames_ - 1), std::min(1.0, seconds / kMemory));
-    acceleration_.linear += share * (acceleration.head<3>().squaredNorm() / 3.0 - acceleration_.linear);
-    acceleration_.angular += share * (acceleration.tail<3>().squaredNorm() / 3.0 - acceleration_.angular);
-  }
-  velocity_ = velocity;
-}
-
-Matrix6 OdometryCovariance::velocityCovariance(const TrackedFrame& tracked, double seconds) const {
-  const ExposureTrajectory& motion = tracked.trajectory;
-  if (motion.exposure > 0.0) {
-    // Where the blur says little, the motion since the last frame does: the prior of the alignment is in it.
-    const ExposureEstimate& estimate = tracked.exposure_estimate;
-    const bool told = tracked.frame->exposure && !estimate.used;
-    const double log_sigma = told ? 0.0 : std::min(estimate.log_sigma, kUnknownExposureSigma);
-    return alignmentCovariance(tracked).bottomRightCorner<6, 6>() / (motion.exposure * motion.exposure) +
-           squareOf(log_sigma * motion.velocity);
-  }
-  if (frames_ < 3 || !(seconds > 0.0)) return kUnmeasuredVariance * Matrix6::Identity();
-  // The difference of two poses that were measured alike, and what the velocity has changed by since.
-  const double lag = kLag * seconds;
-  return 2.0 / (seconds * seconds) * alignmentCovariance(tracked).topLeftCorner<6, 6>() +
-         lag * lag * isotropic(acceleration_.linear, acceleration_.angular);
 }
 
 }  // namespace mba_vo

@@ -44,7 +44,7 @@ std::vector<FrameRow> usualRows() {
 }
 
 RunReport evaluate(const TemporaryFolder& folder, const RunOptions& options = {}) {
-  return evaluateRun(trueMotion(), readRunFolder(folder.file("run"), SmoothedForm::kPoses), options);
+  return evaluateRun(trueMotion(), readRunFolder(folder.file("run"), PoseForm::kPoses), options);
 }
 
 std::string tableOf(const RunReport& report) {

@@ -237,6 +237,10 @@ TEST(Evaluator, SummarisesTheMotionWithinTheExposure) {
   ASSERT_TRUE(report.exposure.has_value());
   EXPECT_EQ(report.exposure->direction.count, 30U);
   EXPECT_EQ(report.exposure->reversed, 3U);
+  EXPECT_EQ(report.exposure->ends.count, 60U);
+  EXPECT_LT(report.exposure->ends.median, 1e-9);
+  EXPECT_NEAR(report.exposure->ends.max, 0.02, 1e-4) << "where they are swapped";
+  EXPECT_NEAR(report.exposure->ends_rotation.max, 0.01 * 180.0 / M_PI, 1e-6);
   EXPECT_NEAR(report.exposure->direction.median, 0.0, 1e-5);
   EXPECT_NEAR(report.exposure->length_ratio.median, 1.0, 1e-9);
 }

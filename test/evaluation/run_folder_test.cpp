@@ -17,7 +17,7 @@ std::vector<PoseRecord> twoPoses() { return {{1.0, SE3(), std::nullopt, 1}, {2.0
 
 std::vector<FrameRow> twoRows() { return {publishedRow(1.0, 0.02, "TRACKING"), publishedRow(2.0, 0.03, "DEGRADED")}; }
 
-RunFolder read(const TemporaryFolder& folder) { return readRunFolder(folder.file("run"), SmoothedForm::kPoses); }
+RunFolder read(const TemporaryFolder& folder) { return readRunFolder(folder.file("run"), PoseForm::kPoses); }
 
 TEST(RunFolder, ReadsAllThatARunWrites) {
   const TemporaryFolder folder;
@@ -63,12 +63,26 @@ TEST(RunFolder, TakesTheMotionWithinTheExposureWhereAsked) {
   writeRunFolder(folder, twoPoses(), {}, twoRows(), "");
   folder.write("run/exposure_trajectory.txt", "1 0.02 0 0 0 0 0 0 1 0 0 0 0 0 0 1\n");
   EXPECT_TRUE(read(folder).smoothed.empty());
-  EXPECT_TRUE(readRunFolder(folder.file("run"), SmoothedForm::kExposures).smoothed.at(0).exposure.has_value());
+  EXPECT_TRUE(readRunFolder(folder.file("run"), PoseForm::kExposures).smoothed.at(0).exposure.has_value());
+}
+
+TEST(RunFolder, StartAndEndAsPublishedGoWithTheirPoses) {
+  const TemporaryFolder folder;
+  writeRunFolder(folder, twoPoses(), {}, twoRows(), "");
+  const std::string line = " 0.02 0 0 0 0 0 0 1 0.5 0 0 0 0 0 1\n";
+  folder.write("run/online_exposure_trajectory.txt", "1" + line + "2" + line);
+  EXPECT_FALSE(read(folder).online_trajectory.at(0).exposure.has_value()) << "nobody asked";
+  const auto poses = readRunFolder(folder.file("run"), PoseForm::kExposures).online_trajectory;
+  ASSERT_TRUE(poses.at(1).exposure.has_value());
+  EXPECT_EQ(poses.at(1).exposure->T_world_end.translation().x(), 0.5);
+  EXPECT_EQ(poses.at(1).T_world_camera.translation(), twoPoses().at(1).T_world_camera.translation());
+  folder.write("run/online_exposure_trajectory.txt", "1" + line);
+  EXPECT_THAT(messageOf([&] { readRunFolder(folder.file("run"), PoseForm::kExposures); }),
+              HasSubstr("online_exposure_trajectory.txt: 1 poses, and 2 in online_trajectory.txt"));
 }
 
 TEST(RunFolder, MissingFilesAreNamed) {
-  EXPECT_THAT(messageOf([] { readRunFolder("/nonexistent", SmoothedForm::kPoses); }),
-              HasSubstr("/nonexistent: no such"));
+  EXPECT_THAT(messageOf([] { readRunFolder("/nonexistent", PoseForm::kPoses); }), HasSubstr("/nonexistent: no such"));
   for (const char* file : {"online_trajectory.txt", "online_odometry.txt", "frames.csv"}) {
     const TemporaryFolder folder;
     writeRunFolder(folder, twoPoses(), twoPoses(), twoRows(), "");

@@ -82,7 +82,7 @@ TEST(RunWriter, FramesCsvHasARowPerFrameAndEmptyFieldsForTheUnknown) {
   good.arrival = 1.51;
   good.published = 1.525;
   const Matrix6 diagonal = Eigen::Map<const Vector6>(kVariances).asDiagonal();
-  good.online = OnlinePose{2, SE3(), SE3(), diagonal, Eigen::Map<const Vector6>(kVariances), 2.0 * diagonal};
+  good.online = OnlinePose{2, {SE3(), Eigen::Map<const Vector6>(kVariances)}, SE3(), diagonal, 2.0 * diagonal};
   std::ostringstream text;
   writeFrames({lost, good}, text);
   EXPECT_EQ(

@@ -22,6 +22,7 @@ MeasuredMotion viewMotion() {
   motion.tracked = viewFrame();
   motion.T_map_odom = viewPose(0.1, 0.2, 0.3, 0.1);
   motion.T_odom_camera = viewPose(1.0, -0.4, 0.2, 0.5);
+  motion.motion = motion.tracked->trajectory.motion();
   motion.T_base_camera = viewPose(0.2, 0.0, 0.1, -0.7);
   return motion;
 }

@@ -32,6 +32,7 @@ inline TrackedFrame trackedAt(int image, MapId map, KeyframeId keyframe) {
   auto frame = std::make_shared<Frame>();
   frame->mid_exposure_ns = std::llround(1e9 * kInterval * image);
   frame->exposure = 0.02;
+  frame->pyramid = ImagePyramid(cv::Mat1f(60, 80, 100.0F), PinholeCamera{80, 60, 60.0, 60.0, 39.5, 29.5}, 1);
   TrackedFrame tracked;
   tracked.frame = frame;
   tracked.status = TrackingStatus::kTracking;
@@ -43,6 +44,28 @@ inline TrackedFrame trackedAt(int image, MapId map, KeyframeId keyframe) {
   tracked.expected_error = kModelError * std::sqrt(1.0 - kNoiseShare);  // so that the covariance counts as it is
   return tracked;
 }
+
+/// By the blur alone.
+inline VelocityEstimate velocityOf(const TrackedFrame& tracked) {
+  VelocityEstimate velocity;
+  velocity.motion = tracked.trajectory.motion();
+  velocity.covariance = tracked.covariance.bottomRightCorner<6, 6>() / (0.02 * 0.02);
+  return velocity;
+}
+
+/// The covariance of odometry whose velocities are those of the blur.
+class FollowedOdometry {
+ public:
+  MotionCovariance update(const TrackedFrame& tracked, const SE3& T_odom_camera, const SE3& T_map_odom) {
+    if (tracked.tracked()) velocity_ = velocityOf(tracked);
+    return covariance_.update(tracked, velocity_, T_odom_camera, T_map_odom);
+  }
+  void reset() { covariance_.reset(); }
+
+ private:
+  VelocityEstimate velocity_;
+  OdometryCovariance covariance_;
+};
 
 inline TrackedFrame lostAt(int image) {
   TrackedFrame tracked = trackedAt(image, 0, 0);

@@ -137,14 +137,18 @@ TEST(FiniteDifferenceVelocity, ACommonErrorOfTheMeasuredVelocitiesFades) {
 }
 
 /// A turn that gets faster; velocities measured with errors, of the frame before and the last one.
-Vector6 velocityOfLast(const JerkyTurn& turn, double error_before, double error_of_last) {
+FiniteDifferenceVelocity followed(const JerkyTurn& turn, double error_before, double error_of_last) {
   FiniteDifferenceVelocity motion;
   for (const std::int64_t i : {-2, -1, 0}) {
     Vector6 velocity = Vector6::Zero();
     velocity(4) = turn.velocity(seconds(i * kInterval)) + (i == 0 ? error_of_last : error_before);
     motion.add(i * kInterval, turn.pose(seconds(i * kInterval)), ObservedMotion{velocity, std::nullopt});
   }
-  return motion.motionOfLast().velocity;
+  return motion;
+}
+
+Vector6 velocityOfLast(const JerkyTurn& turn, double error_before, double error_of_last) {
+  return followed(turn, error_before, error_of_last).motionOfLast().velocity;
 }
 
 TEST(FiniteDifferenceVelocity, TheLastFrameHasGainedWhatWasMeasured) {
@@ -164,6 +168,46 @@ TEST(FiniteDifferenceVelocity, WhatIsMeasuredIsBelievedAsFarAsPosesAllow) {
     motion.add(i * kInterval, turn.pose(seconds(i * kInterval)), ObservedMotion{velocity, std::nullopt});
   }
   EXPECT_NEAR(motion.velocityOfMiddle()(4), 1.0 - kMost / 6.0, 1e-6);
+}
+
+TEST(FiniteDifferenceVelocity, TheBestGuessOfATurnListensToTheBlurToo) {
+  const JerkyTurn turn{1.0, 20.0, 400.0};
+  const double by_gain = velocityOfLast(turn, 0.0, 0.0)(4) - 1.0;
+  const double best = followed(turn, 0.0, 0.0).bestOfLast().velocity(4) - 1.0;
+  EXPECT_LT(std::abs(best), 0.6 * std::abs(by_gain)) << "the acceleration changes";
+  constexpr double kMost = 550.0 * 0.037 * 0.037;
+  const JerkyTurn even{1.0, 20.0, 0.0};
+  EXPECT_NEAR(followed(even, 0.0, -5.0).bestOfLast().velocity(4), 1.0 - 0.375 * kMost, 1e-6) << "as far as poses allow";
+}
+
+TEST(FiniteDifferenceVelocity, TheBestGuessOfAWayIsThatOfThePosesWhateverIsMeasured) {
+  constexpr double kAcceleration = 3.0;  // [m/s^2]
+  for (const bool by_rows : {false, true}) {
+    FiniteDifferenceVelocity motion;
+    for (const std::int64_t i : {-2, -1, 0}) {
+      const double t = seconds(i * kInterval);
+      const SE3 pose(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.5 * kAcceleration * t * t + 0.4 * t, 0.0, 0.0));
+      ObservedMotion wrong{Vector6::Constant(0.7), std::nullopt};
+      if (by_rows) wrong.angular_acceleration = Eigen::Vector3d(1.0, 2.0, 3.0);
+      motion.add(i * kInterval, pose, wrong);
+    }
+    const double gained = kAcceleration * seconds(kInterval);
+    EXPECT_NEAR(motion.bestOfLast().velocity(0), 0.4 - gained / 2.0 + gained / 3.0, 1e-9);
+    EXPECT_EQ(motion.bestOfLast().velocity.tail<3>() == Eigen::Vector3d::Constant(0.7), by_rows) << "rows are believed";
+  }
+}
+
+TEST(FiniteDifferenceVelocity, WithoutAFrameBeforeThereIsNothingBetter) {
+  FiniteDifferenceVelocity motion;
+  EXPECT_FALSE(motion.knowsBefore());
+  EXPECT_EQ(motion.bestOfLast().velocity, Vector6::Zero());
+  motion.add(0, SE3(), ObservedMotion{Vector6::Constant(0.7), std::nullopt});
+  EXPECT_FALSE(motion.knowsBefore());
+  EXPECT_EQ(motion.bestOfLast().velocity, motion.motionOfLast().velocity);
+  motion.add(kInterval, SE3(), std::nullopt);
+  EXPECT_TRUE(motion.knowsBefore());
+  motion.add(2'000'000'000, SE3(), std::nullopt);
+  EXPECT_FALSE(motion.knowsBefore()) << "too long ago";
 }
 
 }  // namespace

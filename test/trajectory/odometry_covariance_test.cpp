@@ -13,7 +13,7 @@ namespace mba_vo::test::odometry_covariance_test {
 namespace {
 
 TEST(OdometryCovariance, GrowsWithEachKeyframeAndNotBetween) {
-  OdometryCovariance covariance;
+  FollowedOdometry covariance;
   const Matrix6 first = covariance.update(trackedAt(0, 1, 1), SE3(), SE3()).odom;
   EXPECT_LT(relativeDifference(first, 2.0 * alignment()), 1e-12) << "of its keyframe and its own";
   const SE3 T_first_second = SE3::exp(vector6(0.0, 0.0, 0.0, 0.2, 0.7, 0.1));
@@ -31,7 +31,7 @@ TEST(OdometryCovariance, GrowsWithEachKeyframeAndNotBetween) {
 
 TEST(OdometryCovariance, AnAlignmentThatIsHardlyDeterminedErrsByMoreThanItsNoise) {
   for (const double expected_error : {0.0, 0.1, 0.3}) {
-    OdometryCovariance covariance;
+    FollowedOdometry covariance;
     covariance.update(trackedAt(0, 1, 1), SE3(), SE3());
     TrackedFrame tracked = trackedAt(1, 1, 1);
     tracked.expected_error = expected_error;
@@ -39,13 +39,12 @@ TEST(OdometryCovariance, AnAlignmentThatIsHardlyDeterminedErrsByMoreThanItsNoise
     const MotionCovariance result = covariance.update(tracked, SE3(), SE3());
     EXPECT_LT(relativeDifference(result.odom, (1.0 + factor) * alignment()), 1e-12)
         << expected_error << " px, beside the first pose of the map";
-    EXPECT_LT(relativeDifference(result.velocity, factor * 1e-8 / (0.02 * 0.02) * Matrix6::Identity()), 1e-12);
   }
 }
 
 /// Of the first depths of a map; it shows where the camera has moved since, in the direction of the way.
 TEST(OdometryCovariance, TheFirstScaleOfAMapIsUncertain) {
-  OdometryCovariance covariance;
+  FollowedOdometry covariance;
   const SE3 T_odom_first(Eigen::Quaterniond::Identity(), Eigen::Vector3d(4.0, 0.0, 0.0));
   const Matrix6 first = covariance.update(trackedAt(0, 1, 1), T_odom_first, SE3()).odom;
   EXPECT_LT(relativeDifference(first, 2.0 * alignment()), 1e-12) << "however far from where odom began";
@@ -77,7 +76,7 @@ TEST(OdometryCovariance, IsTheScatterOfChainsOfKeyframes) {
   for (int i = 0; i < kKeyframes; ++i) {
     poses.push_back(SE3::exp(vector6(0.8 * i, -0.3 * i, 0.2, 0.3 * i, 0.4 * i, -0.1)));
   }
-  OdometryCovariance covariance;
+  FollowedOdometry covariance;
   MotionCovariance expected;
   for (int i = 0; i < kKeyframes; ++i) {
     expected = covariance.update(trackedAt(i, 1, static_cast<KeyframeId>(i)), poses[static_cast<std::size_t>(i)], {});
@@ -102,7 +101,7 @@ TEST(OdometryCovariance, IsTheScatterOfChainsOfKeyframes) {
 }
 
 TEST(OdometryCovariance, CorrectionsOfTheMapAreMissingInOdom) {
-  OdometryCovariance covariance;
+  FollowedOdometry covariance;
   const SE3 T_odom_camera = SE3::exp(vector6(0.0, 1.0, 0.0, 0.3, 0.0, 0.0));
   const Matrix6 before = covariance.update(trackedAt(0, 1, 1), T_odom_camera, SE3()).map;
   const Vector6 correction = vector6(0.004, -0.003, 0.002, 0.001, 0.005, 0.0);  // of the camera in the map
@@ -116,7 +115,7 @@ TEST(OdometryCovariance, CorrectionsOfTheMapAreMissingInOdom) {
 }
 
 TEST(OdometryCovariance, StaysSymmetricAndPositiveDefinite) {
-  OdometryCovariance covariance;
+  FollowedOdometry covariance;
   SE3 T_odom_camera;
   SE3 T_map_odom;
   double last_trace = 0.0;
@@ -138,7 +137,7 @@ TEST(OdometryCovariance, StaysSymmetricAndPositiveDefinite) {
 /// Odometry goes on from where it was when the camera is found elsewhere in the map: what it missed is an error of
 /// odom, and none of the map.
 TEST(OdometryCovariance, FoundAgainCountsTheUnknownMotion) {
-  OdometryCovariance covariance;
+  FollowedOdometry covariance;
   const SE3 T_map_odom = SE3::exp(vector6(0.2, 0.0, 0.0, 0.0, 0.1, 0.0));
   const SE3 T_odom_camera = SE3::exp(vector6(0.0, 1.0, 0.0, 0.3, 0.0, 0.0));
   const Matrix6 before = covariance.update(trackedAt(0, 1, 1), T_odom_camera, T_map_odom).odom;
@@ -151,7 +150,7 @@ TEST(OdometryCovariance, FoundAgainCountsTheUnknownMotion) {
 }
 
 TEST(OdometryCovariance, ANewMapKeepsWhatWasBeforeAndAddsTheUnknownMotion) {
-  OdometryCovariance covariance;
+  FollowedOdometry covariance;
   const Matrix6 before = covariance.update(trackedAt(0, 1, 1), SE3(), SE3()).odom;
   const SE3 T_other_map = SE3::exp(vector6(5.0, 1.0, 0.0, 0.0, 2.0, 0.0));
   constexpr int kImages = 25;
@@ -165,7 +164,7 @@ TEST(OdometryCovariance, ANewMapKeepsWhatWasBeforeAndAddsTheUnknownMotion) {
 }
 
 TEST(OdometryCovariance, WithoutMapTheTurnIsKnownOnceItIsMeasured) {
-  OdometryCovariance covariance;
+  FollowedOdometry covariance;
   const MotionCovariance start = covariance.update(turnedAt(0), SE3(), SE3());
   EXPECT_EQ(start.odom(0, 0), 1e6);
   EXPECT_LT((start.odom - turnedAt(0).covariance.topLeftCorner<6, 6>()).norm(), 1e-12);
@@ -181,60 +180,19 @@ TEST(OdometryCovariance, WithoutMapTheTurnIsKnownOnceItIsMeasured) {
 }
 
 TEST(OdometryCovariance, ResetForgetsEverything) {
-  OdometryCovariance covariance;
+  FollowedOdometry covariance;
   const Matrix6 first = covariance.update(trackedAt(0, 1, 1), SE3(), SE3()).odom;
   covariance.update(trackedAt(1, 1, 2), SE3(), SE3());
   covariance.reset();
   EXPECT_EQ(covariance.update(trackedAt(500, 4, 9), SE3(), SE3()).odom, first);
 }
 
-TEST(OdometryCovariance, VelocityComesFromTheMotionWithinTheExposure) {
-  OdometryCovariance covariance;
-  TrackedFrame tracked = trackedAt(0, 1, 1);
-  const Matrix6 expected = 1e-8 / (0.02 * 0.02) * Matrix6::Identity();
-  EXPECT_LT(relativeDifference(covariance.update(tracked, SE3(), SE3()).velocity, expected), 1e-12);
-  tracked.xi_prior_limited = true;  // then the prior is in it
-  EXPECT_LT(relativeDifference(covariance.update(tracked, SE3(), SE3()).velocity, expected), 1e-12);
-  tracked.exposure_estimate = {2.0, 0.1, true};
-  const Vector6 unknown = 0.1 * tracked.trajectory.velocity;
-  EXPECT_LT(
-      relativeDifference(covariance.update(tracked, SE3(), SE3()).velocity, expected + unknown * unknown.transpose()),
-      1e-12);
-}
-
-/// Of sharp images the published velocity is the mean between the two images before.
-TEST(OdometryCovariance, WithoutExposureTheVelocityIsAsOldAsItIs) {
-  OdometryCovariance covariance;
-  const auto trueVelocity = [](double t) {
-    return vector6(0.3 * std::sin(5.0 * t), 0.2 * std::cos(4.0 * t), 0.25 * std::sin(6.0 * t + 1.0), std::sin(7.0 * t),
-                   std::cos(5.0 * t), 0.9 * std::sin(6.0 * t + 2.0));
-  };
-  double sum = 0.0;
-  constexpr int kSkipped = 50;
-  constexpr int kCount = 400;
-  for (int i = 0; i < kSkipped + kCount; ++i) {
-    TrackedFrame tracked = trackedAt(i, 1, 1);
-    tracked.trajectory.exposure = 0.0;
-    tracked.covariance *= 1e-6;
-    const double t = kInterval * i;
-    tracked.trajectory.velocity = trueVelocity(t - 1.5 * kInterval);
-    const Matrix6 P = covariance.update(tracked, SE3(), SE3()).velocity;
-    if (i == 0) {
-      EXPECT_GT(P(0, 0), 1e3) << "nothing is known at first";
-    }
-    const Vector6 error = trueVelocity(t) - tracked.trajectory.velocity;
-    if (i >= kSkipped) sum += error.dot(P.llt().solve(error)) / 6.0 / kCount;
-  }
-  EXPECT_GT(sum, 0.5);
-  EXPECT_LT(sum, 2.0);
-}
-
 /// While a camera is lost its turn is measured, and its place predicted; when it is found, the map is known as before.
 TEST(OdometryCovariance, LostInAMapOnlyThePlaceIsInDoubt) {
-  OdometryCovariance covariance;
+  FollowedOdometry covariance;
   MotionCovariance last;
   for (int i = 0; i < 3; ++i) last = covariance.update(trackedAt(i, 1, 1), SE3(), SE3());
-  OdometryCovariance never_lost = covariance;
+  FollowedOdometry never_lost = covariance;
   TrackedFrame turned = turnedAt(3);
   turned.status = TrackingStatus::kLost;
   turned.reference.map_id = 1;

@@ -28,8 +28,10 @@ struct FrameDrops {
   std::size_t dropped_after_initialization = 0;
 };
 
-/// Error of the motion within the exposure, see ExposureMotionError.
+/// Error of start and end poses, aligned, and of the motion between them, see ExposureMotionError.
 struct ExposureEvaluation {
+  Statistics ends;           // distance between positions, start and end of each [m]
+  Statistics ends_rotation;  // [deg]
   Statistics direction;      // [deg]
   Statistics length_ratio;   // estimated / true
   Statistics length_error;   // |length ratio - 1|

@@ -9,9 +9,8 @@
 
 namespace mba_vo {
 
-/// Which smoothed trajectory to read: that with the motion within the exposure is worth comparing only if the ground
-/// truth has it too.
-enum class SmoothedForm { kPoses, kExposures };
+/// Whether to read the motion within the exposure: it is worth comparing only if the ground truth has it too.
+enum class PoseForm { kPoses, kExposures };
 
 /// What a run wrote into its output folder. A run without poses has empty lists.
 struct RunFolder {
@@ -24,8 +23,9 @@ struct RunFolder {
   bool metric = false;                        // lengths of the map are metres
 };
 
-/// Reads online_trajectory.txt, online_odometry.txt and frames.csv, and where there are any, the smoothed trajectory
-/// and summary.yaml. Throws std::runtime_error naming file and line for what is missing or malformed.
-RunFolder readRunFolder(const std::string& folder, SmoothedForm form);
+/// Reads online_trajectory.txt, online_odometry.txt and frames.csv, and where there are any, start and end poses, the
+/// smoothed trajectory and summary.yaml. Throws std::runtime_error naming file and line for what is missing or
+/// malformed.
+RunFolder readRunFolder(const std::string& folder, PoseForm form);
 
 }  // namespace mba_vo

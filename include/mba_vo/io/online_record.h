@@ -13,8 +13,9 @@
 
 namespace mba_vo {
 
-/// Writes down what is published while it is published: online_trajectory.txt, online_odometry.txt and frames.csv of a
-/// live run, with a row for every image, by their numbers. What the mapper finds out later is not in these files.
+/// Writes down what is published while it is published: online_trajectory.txt,
+/// online_exposure_trajectory.txt, online_odometry.txt and frames.csv of a live run, with a row for every image, by
+/// their numbers. What the mapper finds out later is not in these files.
 class OnlineRecord {
  public:
   /// Makes the folder if need be and replaces the files of an earlier run. Throws std::runtime_error naming what cannot
@@ -35,8 +36,9 @@ class OnlineRecord {
   void write(const FrameRecord& record);
 
   std::string folder_;
-  std::ofstream trajectory_file_, odometry_file_, frames_file_;
+  std::ofstream trajectory_file_, exposures_file_, odometry_file_, frames_file_;
   std::unique_ptr<PoseLines> trajectory_, odometry_;
+  std::unique_ptr<ExposureLines> exposures_;
   bool failed_ = false;
   std::mutex shed_mutex_;
   std::map<std::uint64_t, TrackerStep> shed_;  // by number, not written yet

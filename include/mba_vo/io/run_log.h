@@ -15,10 +15,9 @@ namespace mba_vo {
 /// The pose that was published for an image when it was published.
 struct OnlinePose {
   MapId map = 0;
-  SE3 T_map_camera;                      // at mid-exposure
-  SE3 T_odom_camera;                     // the same
+  ExposureTrajectory in_map;             // camera to map
+  SE3 T_odom_camera;                     // at mid-exposure
   Matrix6 covariance = Matrix6::Zero();  // of T_odom_camera's right increment (translation [m], rotation [rad])
-  Vector6 velocity = Vector6::Zero();    // in the camera's axes, at mid-exposure [m/s, rad/s]
   Matrix6 velocity_covariance = Matrix6::Zero();
 };
 

@@ -31,13 +31,27 @@ class PoseLines {
   std::optional<MapId> last_map_;
 };
 
+/// The same in the form of writeExposureTrajectory.
+class ExposureLines {
+ public:
+  ExposureLines(std::ostream& out, const std::string& what);
+  void write(std::int64_t mid_exposure_ns, MapId map, const ExposureTrajectory& trajectory);
+
+ private:
+  std::ostream& out_;
+  std::optional<MapId> last_map_;
+};
+
 inline constexpr const char* kOnlineTrajectory = "as first published: camera to map";
 inline constexpr const char* kOnlineOdometry = "as first published: camera to odom";
 
 /// What was published, when it was published: the pose of each image as it was first told, camera to map, in the form
 /// of writeTrajectory.
 void writeOnlineTrajectory(const std::vector<FrameRecord>& frames, std::ostream& out);
-/// The same, camera to odom, which is continuous; the comment `# map N` tells where the unit of length changes.
+/// With the poses at the start and at the end of its exposure, in the form of writeExposureTrajectory.
+void writeOnlineExposures(const std::vector<FrameRecord>& frames, std::ostream& out);
+/// The same at mid-exposure, camera to odom, which is continuous; the comment `# map N` tells where the unit of length
+/// changes.
 void writeOnlineOdometry(const std::vector<FrameRecord>& frames, std::ostream& out);
 
 /// Seconds with nine decimals, exact.

@@ -9,6 +9,7 @@
 #include "mba_vo/tracking/exposure_estimator.h"
 #include "mba_vo/tracking/lost_timer.h"
 #include "mba_vo/tracking/tracker.h"
+#include "mba_vo/trajectory/odometry_velocity.h"
 
 namespace mba_vo {
 
@@ -55,6 +56,8 @@ class FrameTracking {
 
   /// Camera to odom at mid-exposure of the last frame with a pose; never rewritten.
   const SE3& T_odom_camera() const { return T_odom_camera_; }
+  /// How it moved then.
+  const VelocityEstimate& velocity() const { return velocity_.last(); }
   /// What is not aligned to a map may still be known.
   void moveTo(const SE3& T_odom_camera) { T_odom_camera_ = T_odom_camera; }
   /// While lost: camera to odom if it goes on moving as it last did, which nothing measures. nullopt while not lost.
@@ -70,6 +73,7 @@ class FrameTracking {
   FrameConstPtr withExposureKnownNow(const FrameConstPtr& frame) const;  // of one that nobody told
   void learnExposure(const std::shared_ptr<TrackedFrame>& tracked, const FrameConstPtr& given);
   void goOnFrom(const TrackedFrame& tracked);
+  void moveWith(const TrackedFrame& tracked);
   /// Through the poses that came with the new snapshot: map coordinates of different moments do not mix.
   SE3 T_newReference_oldReference(const Reference& next) const;
 
@@ -81,6 +85,7 @@ class FrameTracking {
   ReferenceConstPtr reference_;
   TrackingState state_;
   SE3 T_odom_camera_;
+  OdometryVelocity velocity_;
   SE3 T_odom_reference_;
 };
 

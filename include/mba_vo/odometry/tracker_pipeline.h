@@ -47,6 +47,7 @@ struct TrackerStep {
   TrackedFrameConstPtr repeated;  // of a repeated image: what was found for the earlier one, under the stamp of this
   TrackingPhase phase = TrackingPhase::kNoMap;  // afterwards
   SE3 T_odom_camera;                            // at mid-exposure, of an image with a pose
+  BodyMotion motion;                            // about then, in the camera's axes
   SE3 T_map_odom;
   MotionCovariance covariance;                 // of an image with a pose or an orientation
   std::optional<SE3> predicted_T_odom_camera;  // of an image that is not aligned to the map in use

@@ -60,6 +60,8 @@ class TrackingLoop {
   /// Camera to odom at mid-exposure of the last frame with a pose or an orientation; continuous across references and
   /// maps, never rewritten.
   const SE3& T_odom_camera() const { return frames_.T_odom_camera(); }
+  /// How it moved at the last measured pose.
+  const VelocityEstimate& velocity() const { return frames_.velocity(); }
   /// While lost: camera to odom if it goes on moving as it last did, which nothing measures. nullopt while not lost.
   std::optional<SE3> predicted_T_odom_camera(std::int64_t mid_exposure_ns) const {
     return frames_.predicted_T_odom_camera(mid_exposure_ns);

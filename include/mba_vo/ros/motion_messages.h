@@ -17,11 +17,15 @@ namespace mba_vo {
 struct MeasuredMotion {
   TrackedFrameConstPtr tracked;
   SE3 T_odom_camera;  // at mid-exposure
+  BodyMotion motion;  // about then, in the camera's axes
   SE3 T_map_odom;
   SE3 T_base_camera;
   std::string camera_frame;
   MotionCovariance covariance;
 };
+
+/// Camera to odom while the shutter is open, as published.
+ExposureTrajectory exposureInOdom(const MeasuredMotion& motion);
 
 /// Covariance in the order and meaning of geometry_msgs (x, y, z, rotation about the fixed axes x, y, z of the parent)
 /// of a base pose, from that of a right increment (rho, phi) of the camera pose. `T_world_base` with REP-103 axes.

@@ -71,7 +71,9 @@ struct NodeConfig {
     v("mapper_queue_mb", c.mapper_queue_mb, 0.1, 65536.0, "bound of the tracked frames waiting for the mapper [MB]");
     v("path_period", c.path_period, 0.0, 3600.0, "shortest time between two messages on path [s]");
     v("points_period", c.points_period, 0.0, 3600.0, "shortest time between two messages on points [s]");
-    v("record", c.record, "write down what is published: online_trajectory.txt, online_odometry.txt, frames.csv");
+    v("record", c.record,
+      "write down what is published: online_trajectory.txt, online_exposure_trajectory.txt, online_odometry.txt, "
+      "frames.csv");
     v("save_on_shutdown", c.save_on_shutdown, "do as save_trajectory does when the mapper ends");
     v("map_file", c.map_file, "map of an earlier run (save_map), in which the camera is looked for at the start");
     v("output_directory", c.output_directory,

@@ -31,6 +31,8 @@ class FiniteDifferenceVelocity {
 
   /// There is a frame on both sides of the last but one, near enough to tell of it.
   bool knowsBothSides() const;
+  /// There is a frame before the last one, near enough to tell of it.
+  bool knowsBefore() const;
   /// Of the last but one frame [m/s, rad/s, body frame]. Zero if fewer than two poses are known, or those on both sides
   /// are too far away in time.
   Vector6 velocityOfMiddle() const;
@@ -41,6 +43,9 @@ class FiniteDifferenceVelocity {
   /// Of the last frame, while none after it is known: as between it and the one before, and for a turn what it has
   /// gained by then. The rows of a rolling shutter, or a frame that follows none, are believed instead.
   BodyMotion motionOfLast() const;
+  /// The same, as near to the truth as is known: a way goes on as it changed, and of a turn what is measured counts as
+  /// well. Not for a reference: its own error is in what is measured, and would not fade.
+  BodyMotion bestOfLast() const;
 
  private:
   struct Pose {

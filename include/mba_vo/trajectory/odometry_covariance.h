@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "mba_vo/tracking/tracked_frame.h"
+#include "mba_vo/trajectory/odometry_velocity.h"
 
 namespace mba_vo {
 
@@ -33,8 +33,10 @@ Matrix12 alignmentCovariance(const TrackedFrame& tracked);
 /// is taken to have gone on as fast as it moved in the rms until then.
 class OdometryCovariance {
  public:
-  /// The result of the next image, whatever it is. Without pose and orientation all is zero.
-  MotionCovariance update(const TrackedFrame& tracked, const SE3& T_odom_camera, const SE3& T_map_odom);
+  /// The result of the next image, whatever it is, and the velocity of the last one with a measured pose. Without pose
+  /// and orientation all is zero.
+  MotionCovariance update(const TrackedFrame& tracked, const VelocityEstimate& velocity, const SE3& T_odom_camera,
+                          const SE3& T_map_odom);
   /// Odometry begins anew.
   void reset() { *this = OdometryCovariance(); }
 
@@ -49,8 +51,8 @@ class OdometryCovariance {
     MotionCovariance covariance;
   };
   struct MeanSquares {
-    double linear = 0.0;   // [m^2/s^2], or [m^2/s^4]
-    double angular = 0.0;  // [rad^2/s^2], or [rad^2/s^4]
+    double linear = 0.0;   // [m^2/s^2]
+    double angular = 0.0;  // [rad^2/s^2]
   };
 
   /// Moments of where errors of the scale came in, by their variances, for the positions that they displace.
@@ -60,16 +62,16 @@ class OdometryCovariance {
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   };
 
-  MotionCovariance reckoned(const TrackedFrame& tracked, const SE3& T_camera_odom, double seconds);
-  double placeVariance(double seconds) const;
+  MotionCovariance reckoned(const TrackedFrame& tracked, const VelocityEstimate& velocity, const SE3& T_camera_odom,
+                            double seconds);
+  double placeVariance(const VelocityEstimate& velocity, double seconds) const;
   void closeMap(const SE3& T_odom_camera, double seconds);
   void beginMap(const TrackedFrame& tracked, const SE3& T_odom_camera, const SE3& T_map_odom);
   void goOnInMap(const TrackedFrame& tracked, const SE3& T_odom_camera, const SE3& T_map_odom);
   void useKeyframe(const SE3& T_odom_camera, const Matrix6& alignment);
   void changeScale(const Eigen::Vector3d& place, double sigma);
   Matrix6 scaleErrors(const SE3& T_odom_camera) const;
-  void observeMotion(const TrackedFrame& tracked, double seconds);
-  Matrix6 velocityCovariance(const TrackedFrame& tracked, double seconds) const;
+  void observeSpeed(const Vector6& velocity);
 
   // In odom's axes at its origin: of a left increment of T_odom_camera, which stays the same while the camera moves.
   Matrix6 before_ = Matrix6::Zero();    // from before this map
@@ -82,8 +84,6 @@ class OdometryCovariance {
   bool lost_ = false;        // since then
   std::int64_t frames_ = 0;  // whose speed is in `speed_`
   MeanSquares speed_;        // so far
-  Vector6 velocity_ = Vector6::Zero();
-  MeanSquares acceleration_;  // of late
 };
 
 }  // namespace mba_vo

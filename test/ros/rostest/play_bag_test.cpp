@@ -219,7 +219,7 @@ TEST_F(PlayBag, NodeletsShareMemory) {
 
 TEST_F(PlayBag, WhatIsPublishedIsAccurateAndWrittenDown) {
   const std::string folder = stringParameter(std::string(kNamespace) + "/output_directory");
-  for (const char* file : {"/online_trajectory.txt", "/online_odometry.txt"}) {
+  for (const char* file : {"/online_trajectory.txt", "/online_exposure_trajectory.txt", "/online_odometry.txt"}) {
     const std::vector<PoseRecord> published = readPoseFile(folder + file);
     EXPECT_EQ(published.size(), outputs_->pose.size()) << file;
     const EvaluationReport report = evaluateTrajectory(sequence_->groundtruth, published, {}, {});
