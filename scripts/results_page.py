@@ -206,7 +206,11 @@ def sequence_facts(path, run):
 
 
 def said(*command):
-    return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
+    """Nothing, if there is no such program: the sources may have come without git."""
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
+    except FileNotFoundError:
+        return ""
 
 
 def processor():

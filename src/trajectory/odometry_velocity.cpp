@@ -60,8 +60,8 @@ void OdometryVelocity::observeAcceleration(const Vector6& velocity, double secon
 }
 
 Matrix6 OdometryVelocity::covarianceOf(const TrackedFrame& tracked, double seconds) const {
+  if (!by_poses_.knowsBefore()) return covarianceByBlur(tracked);
   const Matrix6 by_blur = covarianceByBlur(tracked);
-  if (!by_poses_.knowsBefore()) return by_blur;
   Matrix6 covariance = alignmentCovariance(tracked).topLeftCorner<6, 6>() / (seconds * seconds);
   const auto measured = observedMotion(tracked);
   const double way_lag = kLag * seconds;

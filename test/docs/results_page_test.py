@@ -20,7 +20,7 @@ def failed(variant, start):
 
 
 class ResultsPage(unittest.TestCase):
-    def page(self, runs):
+    def page(self, runs, environment=None):
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
             (folder / "blurred").mkdir()
@@ -28,7 +28,7 @@ class ResultsPage(unittest.TestCase):
             (folder / "blurred.yaml").write_text(json.dumps({"starts": STARTS, "sequences": {"room": {"path": str(folder / "none")}}}))
             (folder / "sequences.txt").write_text("room\ta room that is not there\n")
             command = ["/usr/bin/python3", "-B", str(ROOT / "scripts" / "results_page.py"), name, "--command", "results --of this", "--jobs", "2"]
-            return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+            return subprocess.run(command, capture_output=True, text=True, check=True, env=environment).stdout
 
     def test_medians_with_the_least_and_the_most(self):
         page = self.page([run("live", start, ate) for start, ate in zip(STARTS, (0.2, 0.1, 1.2))])
@@ -42,6 +42,10 @@ class ResultsPage(unittest.TestCase):
         page = self.page([run("live", start, 0.1) for start in STARTS])
         self.assertLess(page.index("## As published, live"), page.index("## Smoothed"))
         self.assertLess(page.index("## Smoothed"), page.index("## Time and memory"))
+
+    def test_sources_may_have_come_without_git(self):
+        page = self.page([run("live", start, 0.1) for start in STARTS], {"PATH": "/nonexistent"})
+        self.assertIn("not known", page)
 
     def test_the_head_tells_the_command_and_the_page_is_short(self):
         page = self.page([run("live", start, 0.1) for start in STARTS])
