@@ -14,6 +14,7 @@ namespace mba_vo {
 namespace {
 
 constexpr double kNumbersPerSecond = 1e3;
+constexpr double kCorrectionPeriod = 30.0;  // [s] at most one line in it, of many small steps
 
 double now() { return ros::SteadyTime::now().toSec(); }
 
@@ -154,10 +155,11 @@ void TrackerWorker::tellAdopted() {
     const auto& settled = reference->settled_correction;
     if (settled && settled != std::exchange(kept_, settled)) keepLearnt(*settled);
     if (pipeline_.takeCorrected()) {
-      ROS_WARN_STREAM(
+      ROS_WARN_STREAM_THROTTLE(
+          kCorrectionPeriod,
           "the images say that the calibration is wrong; it is corrected by focal length (relative), centre "
           "(focal lengths), k1, k2, time of read-out [s], vignette: "
-          << reference->correction.values.transpose());
+              << reference->correction.values.transpose());
     }
   }
   for (std::size_t stale = pipeline_.takeStale(); stale > 0; --stale) status_.referenceStale();
