@@ -5,6 +5,7 @@ import importlib.util
 import math
 import os
 import struct
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -272,6 +273,23 @@ class Bags(unittest.TestCase):
     def test_topics_that_are_not_there_are_named(self):
         with self.assertRaisesRegex(exposure_relay.OptionError, "image is '/cam'; .* has: /dvs/exposure, /info"):
             self.relay(image="/cam")
+
+    def test_a_bag_without_any_exposure_is_no_success(self):
+        with rosbag.Bag(self.source, "w") as bag:
+            bag.write("/info", CameraInfo(), genpy.Time(200))
+            bag.write("/dvs/exposure", Int32(10000), genpy.Time(300))
+        with self.assertRaisesRegex(exposure_relay.OptionError, "no image of .*in.bag gets an exposure"):
+            self.relay()
+        self.assertFalse(os.path.exists(self.target))
+
+
+class Master(unittest.TestCase):
+    def test_one_that_is_not_there_is_named(self):
+        environment = dict(os.environ, ROS_MASTER_URI="http://localhost:1")
+        found = subprocess.run([sys.executable, os.path.join(FOLDER, "exposure_relay"), "preset:=davis"], env=environment,
+                               capture_output=True, text=True, check=False)
+        self.assertEqual(found.returncode, 1)
+        self.assertIn("no ROS master at http://localhost:1", found.stderr)
 
 
 if __name__ == "__main__":
