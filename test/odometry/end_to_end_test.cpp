@@ -38,8 +38,14 @@ const test::RenderedSequence& distortingLens() {
   return sequence;
 }
 
+struct Published {
+  std::uint64_t frame_sequence = 0;
+  ExposureTrajectory in_map;
+};
+
 struct OdometryRun {
   std::vector<TrajectoryEntry> trajectory;
+  std::vector<Published> published;
   int initializing_at_first = 0;  // frames before the first tracked one
   int lost = 0;                   // frames without pose after it
   int keyframes = 0;
@@ -57,6 +63,14 @@ OdometryRun runOdometry(const std::vector<FrameConstPtr>& frames, int reference_
     begun = begun || result.tracked()->tracked();
     if (!begun) ++run.initializing_at_first;
     if (begun && !result.tracked()->tracked()) ++run.lost;
+    for (const PublishedImage& image : result.images) {
+      const TrackedFrameConstPtr& tracked = image.step.message.tracked;
+      if (!tracked || !tracked->tracked()) continue;
+      const BodyMotion& motion = image.step.motion;
+      run.published.push_back(
+          {tracked->frame->sequence,
+           {image.step.T_map_odom * image.step.T_odom_camera, motion.velocity, kExposure, motion.acceleration}});
+    }
     for (const MapperOutput& output : result.mapping) run.keyframes += output.keyframe ? 1 : 0;
   }
   odometry.finish();
@@ -129,9 +143,37 @@ void expectComplete(const OdometryRun& run) {
   EXPECT_LE(run.trajectory.front().frame_sequence, 3U);
 }
 
+/// Rms of what was published, at mid-exposure and at start and end [m], aligned by the places at mid-exposure.
+std::pair<double, double> publishedErrors(const OdometryRun& run, const test::RenderedSequence& sequence) {
+  std::vector<Eigen::Vector3d> estimated, truth;
+  for (const Published& image : run.published) {
+    estimated.push_back(image.in_map.T_reference_mid.translation());
+    truth.push_back(sequence.frames.at(image.frame_sequence).T_world_mid.translation());
+  }
+  const Similarity alignment = alignPositions(estimated, truth, AlignmentMode::kSim3);
+  const auto squaredError = [&](const SE3& pose, const SE3& true_pose) {
+    return ((alignment * pose).translation() - true_pose.translation()).squaredNorm();
+  };
+  double mid = 0.0, ends = 0.0;
+  for (const Published& image : run.published) {
+    const SimulatedFrame& frame = sequence.frames.at(image.frame_sequence);
+    mid += squaredError(image.in_map.T_reference_mid, frame.T_world_mid);
+    ends += 0.5 * squaredError(image.in_map.start(), frame.T_world_start);
+    ends += 0.5 * squaredError(image.in_map.end(), frame.T_world_end);
+  }
+  const auto count = static_cast<double>(run.published.size());
+  return {std::sqrt(mid / count), std::sqrt(ends / count)};
+}
+
 const OdometryRun& blurredRun() {
   static const OdometryRun run = runOdometry(test::toFrames(plainLens(), false, kExposure));
   return run;
+}
+
+TEST(EndToEnd, PublishedStartAndEndAreAsGoodAsThePoseBetween) {
+  const auto [mid, ends] = publishedErrors(blurredRun(), plainLens());
+  ASSERT_GT(blurredRun().published.size(), kFrames / 2U);
+  EXPECT_LT(ends, 1.3 * mid) << "start and end " << ends << " m, mid " << mid << " m";
 }
 
 TEST(EndToEnd, TracksABlurredSequence) {
