@@ -5,7 +5,8 @@
 #include <iterator>
 #include <limits>
 
-#include "mba_vo/trajectory/odometry_covariance.h"
+#include "mba_vo/tracking/motion_state.h"
+#include "mba_vo/trajectory/alignment_covariance.h"
 
 namespace mba_vo {
 namespace {

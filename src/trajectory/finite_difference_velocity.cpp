@@ -12,7 +12,8 @@ constexpr double kLongestGap = 0.15;  // [s] the velocity is not constant over l
 // (docs/decisions/2026-11-28-motion-of-keyframes.md).
 constexpr double kMostJerk = 550.0;
 // Of what a way gained from one interval to the next, so much is gained until the end of the second: 1/2 if it were
-// accelerated evenly for long, less as hands change their mind (same table).
+// accelerated evenly for long, less as hands change their mind
+// (docs/decisions/2026-11-28-published-velocities.md).
 constexpr double kWayGained = 1.0 / 3.0;
 
 Eigen::Vector3d bounded(const Eigen::Vector3d& v, double most) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mba_vo/tracking/motion_state.h"
+#include "mba_vo/trajectory/alignment_covariance.h"
 
 namespace mba_vo {
 namespace {
@@ -11,8 +12,6 @@ namespace {
 // Those that make the errors of all published poses likeliest (the greatest mean log of their normal density),
 // together, over the sequences of scripts/covariance.py: seeds 200 to 222 with --live and 200 to 219 without. The drift
 // of the scale is a judgement between these and a walk of 20 m: 12 s tell little of it.
-constexpr double kNoiseShare = 0.5;        // of an alignment's covariance; what consecutive frames share is in it
-constexpr double kModelError = 0.1;        // [px] of expected error at which wrong depths add once that covariance
 constexpr double kKeyframeShare = 0.02;    // of a keyframe's variance that remains when the map has been optimised
 constexpr double kCorrectionShare = 0.06;  // of the squares of what the map is corrected by
 constexpr double kFirstScale = 6e-3;       // standard deviation of the scale that a map begins with
@@ -32,11 +31,6 @@ Matrix6 isotropic(double translation, double rotation) {
 Matrix6 squareOf(const Vector6& error) { return error * error.transpose(); }
 
 }  // namespace
-
-Matrix12 alignmentCovariance(const TrackedFrame& tracked) {
-  const double badness = tracked.expected_error / kModelError;
-  return (kNoiseShare + badness * badness) * tracked.covariance;
-}
 
 MotionCovariance OdometryCovariance::update(const TrackedFrame& tracked, const VelocityEstimate& velocity,
                                             const SE3& T_odom_camera, const SE3& T_map_odom) {
@@ -95,7 +89,7 @@ double OdometryCovariance::placeVariance(const VelocityEstimate& velocity, doubl
   const double predicted = std::min(seconds, kLongestPrediction);
   const double unmeasured = seconds - predicted;
   const double speed = speed_.linear / 3.0;
-  const double unknown = std::min(speed, velocity.covariance.diagonal().head<3>().mean());
+  const double unknown = std::min(speed, velocity.covariance_by_alignment.diagonal().head<3>().mean());
   return unknown * predicted * predicted + 0.25 * std::pow(predicted, 4) * velocity.linear_acceleration +
          speed * unmeasured * unmeasured;
 }

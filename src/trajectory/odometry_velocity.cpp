@@ -3,31 +3,21 @@
 #include <algorithm>
 
 #include "mba_vo/tracking/motion_state.h"
-#include "mba_vo/trajectory/odometry_covariance.h"
+#include "mba_vo/trajectory/alignment_covariance.h"
 
 namespace mba_vo {
 namespace {
 
 constexpr double kMemory = 2.0;              // [s] of the accelerations
 constexpr double kUnmeasuredVariance = 1e6;  // [m^2/s^2, rad^2/s^2]
+constexpr double kPredictedLag = 1.5;        // [frame intervals] of a velocity that was predicted, see MotionState
 constexpr double kUnknownExposureSigma = 1;  // of the log of an exposure that nobody told
 
 // What adds to the noise of an alignment over the interval: that makes errors of recorded motions and of seeds 300 to
-// 319 of scripts/covariance.py likeliest, rounded (docs/decisions/2026-11-28-motion-of-keyframes.md).
+// 319 of scripts/covariance.py likeliest, rounded (docs/decisions/2026-11-28-published-velocities.md).
 constexpr double kLag = 0.2;            // [frame intervals] by which the acceleration of late is missed
 constexpr double kUntoldTurnLag = 0.4;  // the same, of turns that neither blur nor rows tell
 constexpr double kBlurShare = 0.12;     // of the variance of a turn by its blur
-
-/// By the alignment of the image alone: where the blur says little, the prior is in it.
-Matrix6 covarianceByBlur(const TrackedFrame& tracked) {
-  const ExposureTrajectory& motion = tracked.trajectory;
-  if (!(motion.exposure > 0.0)) return unmeasuredVelocity();
-  const ExposureEstimate& estimate = tracked.exposure_estimate;
-  const bool told = tracked.frame->exposure && !estimate.used;
-  const Vector6 unknown = (told ? 0.0 : std::min(estimate.log_sigma, kUnknownExposureSigma)) * motion.velocity;
-  return alignmentCovariance(tracked).bottomRightCorner<6, 6>() / (motion.exposure * motion.exposure) +
-         unknown * unknown.transpose();
-}
 
 }  // namespace
 
@@ -47,6 +37,7 @@ void OdometryVelocity::add(const TrackedFrame& tracked, const SE3& T_odom_camera
   ++frames_;
   observeAcceleration(motion.velocity, seconds);
   last_.motion = motion;
+  last_.covariance_by_alignment = covarianceByAlignment(tracked, seconds);
   last_.covariance = covarianceOf(tracked, seconds);
   last_ns_ = now;
 }
@@ -59,9 +50,28 @@ void OdometryVelocity::observeAcceleration(const Vector6& velocity, double secon
   last_.angular_acceleration += share * (acceleration.tail<3>().squaredNorm() / 3.0 - last_.angular_acceleration);
 }
 
+Matrix6 OdometryVelocity::covarianceByAlignment(const TrackedFrame& tracked, double seconds) const {
+  const ExposureTrajectory& motion = tracked.trajectory;
+  const Matrix12 alignment = alignmentCovariance(tracked);
+  if (motion.exposure > 0.0) {
+    // Where the blur says little, the motion since the last frame does: the prior of the alignment is in it.
+    const ExposureEstimate& estimate = tracked.exposure_estimate;
+    const bool told = tracked.frame->exposure && !estimate.used;
+    const Vector6 unknown = (told ? 0.0 : std::min(estimate.log_sigma, kUnknownExposureSigma)) * motion.velocity;
+    return alignment.bottomRightCorner<6, 6>() / (motion.exposure * motion.exposure) + unknown * unknown.transpose();
+  }
+  if (frames_ < 3 || !(seconds > 0.0)) return unmeasuredVelocity();
+  // The difference of two poses that were measured alike, and what the velocity has changed by since.
+  Matrix6 covariance = 2.0 / (seconds * seconds) * alignment.topLeftCorner<6, 6>();
+  const double lag = kPredictedLag * seconds;
+  covariance.diagonal().head<3>().array() += lag * lag * last_.linear_acceleration;
+  covariance.diagonal().tail<3>().array() += lag * lag * last_.angular_acceleration;
+  return covariance;
+}
+
 Matrix6 OdometryVelocity::covarianceOf(const TrackedFrame& tracked, double seconds) const {
-  if (!by_poses_.knowsBefore()) return covarianceByBlur(tracked);
-  const Matrix6 by_blur = covarianceByBlur(tracked);
+  const Matrix6& by_blur = last_.covariance_by_alignment;
+  if (!by_poses_.knowsBefore()) return by_blur;
   Matrix6 covariance = alignmentCovariance(tracked).topLeftCorner<6, 6>() / (seconds * seconds);
   const auto measured = observedMotion(tracked);
   const double way_lag = kLag * seconds;

@@ -45,11 +45,12 @@ inline TrackedFrame trackedAt(int image, MapId map, KeyframeId keyframe) {
   return tracked;
 }
 
-/// By the blur alone.
+/// By the alignment, and published with a tenth of its variance.
 inline VelocityEstimate velocityOf(const TrackedFrame& tracked) {
   VelocityEstimate velocity;
   velocity.motion = tracked.trajectory.motion();
-  velocity.covariance = tracked.covariance.bottomRightCorner<6, 6>() / (0.02 * 0.02);
+  velocity.covariance_by_alignment = tracked.covariance.bottomRightCorner<6, 6>() / (0.02 * 0.02);
+  velocity.covariance = 0.1 * velocity.covariance_by_alignment;
   return velocity;
 }
 

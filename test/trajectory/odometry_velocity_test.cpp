@@ -58,6 +58,56 @@ TEST(OdometryVelocity, BeginsWithWhatTheBlurTells) {
   EXPECT_GT(sharp.last().covariance(0, 0), 1e3) << "nothing tells";
 }
 
+TEST(OdometryVelocity, OfTheAlignmentItIsThatOfTheMotionWithinTheExposure) {
+  const Matrix6 expected = 1e-8 / (0.02 * 0.02) * Matrix6::Identity();
+  OdometryVelocity velocity;
+  const auto byAlignment = [&](const TrackedFrame& tracked) {
+    velocity.add(tracked, SE3());
+    return velocity.last().covariance_by_alignment;
+  };
+  EXPECT_LT(relativeDifference(byAlignment(trackedAt(0, 1, 1)), expected), 1e-12);
+  EXPECT_LT(relativeDifference(byAlignment(trackedAt(1, 1, 1)), expected), 1e-12) << "whatever poses tell";
+  TrackedFrame limited = trackedAt(2, 1, 1);
+  limited.xi_prior_limited = true;  // then the prior is in it
+  EXPECT_LT(relativeDifference(byAlignment(limited), expected), 1e-12);
+  TrackedFrame estimated = trackedAt(3, 1, 1);
+  estimated.exposure_estimate = {2.0, 0.1, true};
+  const Vector6 unknown = 0.1 * estimated.trajectory.velocity;
+  EXPECT_LT(relativeDifference(byAlignment(estimated), expected + unknown * unknown.transpose()), 1e-12);
+  for (const double expected_error : {0.0, 0.3}) {
+    TrackedFrame tracked = trackedAt(expected_error > 0.0 ? 5 : 4, 1, 1);
+    tracked.expected_error = expected_error;
+    const double factor = kNoiseShare + std::pow(expected_error / kModelError, 2);
+    EXPECT_LT(relativeDifference(byAlignment(tracked), factor * expected), 1e-12) << expected_error << " px";
+  }
+}
+
+/// Of sharp images the alignment's velocity is the mean between the two images before.
+TEST(OdometryVelocity, WithoutExposureThatOfTheAlignmentIsAsOldAsItIs) {
+  OdometryVelocity velocity;
+  TrueMotion truth;
+  double sum = 0.0;
+  constexpr int kSkipped = 50;
+  constexpr int kCount = 400;
+  for (int i = 0; i < kSkipped + kCount; ++i) {
+    TrackedFrame tracked = trackedAt(i, 1, 1);
+    std::const_pointer_cast<Frame>(tracked.frame)->exposure = 0.0;
+    tracked.trajectory.exposure = 0.0;
+    tracked.covariance *= 1e-6;
+    const double t = kInterval * i;
+    tracked.trajectory.velocity = trueVelocity(t - 1.5 * kInterval);
+    velocity.add(tracked, truth.at(i));
+    const Matrix6& P = velocity.last().covariance_by_alignment;
+    if (i == 0) {
+      EXPECT_GT(P(0, 0), 1e3) << "nothing is known at first";
+    }
+    const Vector6 error = trueVelocity(t) - tracked.trajectory.velocity;
+    if (i >= kSkipped) sum += error.dot(P.llt().solve(error)) / 6.0 / kCount;
+  }
+  EXPECT_GT(sum, 0.5);
+  EXPECT_LT(sum, 2.0);
+}
+
 TEST(OdometryVelocity, TellsWaysByThePosesAndNotByTheBlur) {
   OdometryVelocity velocity;
   TrueMotion truth;

@@ -15,11 +15,6 @@ struct MotionCovariance {
   Matrix6 velocity = Matrix6::Zero();  // of the velocity at mid-exposure [m/s, rad/s]
 };
 
-/// Of an alignment to the map. The tracker's covariance knows the noise. What else is wrong, depths above all, does
-/// most harm where a few patches of new points have to tell for all the image, as on a fast turn: the error grows with
-/// the square of what noise makes.
-Matrix12 alignmentCovariance(const TrackedFrame& tracked);
-
 /// Follows what is published, image by image, and says how well it is known. In a map, where its first pose is exact by
 /// definition:
 ///   map   an alignment ties the map to that pose. The keyframe in use is known relative to the one before as well

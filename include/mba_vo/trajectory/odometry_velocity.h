@@ -11,8 +11,10 @@ namespace mba_vo {
 struct VelocityEstimate {
   BodyMotion motion;
   Matrix6 covariance = Matrix6::Zero();  // of the velocity [m/s, rad/s]
-  double linear_acceleration = 0.0;      // of late, mean square of each axis [m^2/s^4]
-  double angular_acceleration = 0.0;     // [rad^2/s^4]
+  /// Of the velocity that the alignment of the image alone has found, with which dead reckoning goes on.
+  Matrix6 covariance_by_alignment = Matrix6::Zero();
+  double linear_acceleration = 0.0;   // of late, mean square of each axis [m^2/s^4]
+  double angular_acceleration = 0.0;  // [rad^2/s^4]
 };
 
 /// Covariance of a velocity that nothing has measured.
@@ -30,6 +32,7 @@ class OdometryVelocity {
 
  private:
   void observeAcceleration(const Vector6& velocity, double seconds);
+  Matrix6 covarianceByAlignment(const TrackedFrame& tracked, double seconds) const;
   Matrix6 covarianceOf(const TrackedFrame& tracked, double seconds) const;
 
   FiniteDifferenceVelocity by_poses_;
