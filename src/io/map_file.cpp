@@ -97,9 +97,7 @@ SavedMap mapOf(MapRecord& record) {
     require(map.keyframes.empty() || keyframe.reference.id.keyframe_id >= map.nextKeyframe(), "keyframes out of order");
     map.keyframes.push_back(keyframeOf(keyframe));
     map.keyframes.back().reference.metric = map.metric;
-    const PinholeCamera& first = map.keyframes.front().camera;
-    const PinholeCamera& last = map.keyframes.back().camera;
-    require(first.width == last.width && first.height == last.height, "images of different sizes");
+    require(canBeOfOneCamera(map.keyframes.front().camera, map.keyframes.back().camera), "images of different sizes");
   }
   return map;
 }

@@ -34,7 +34,7 @@ MapperOutput Mapper::Impl::locate(const TrackedFrame& frame) {
   if (isKnownWithoutMap(*frame.frame)) return output;
   const PinholeCamera& of_map = earlier_->keyframes.front().camera;
   const PinholeCamera& camera = frame.frame->pyramid.level(0).camera;
-  if (camera.width != of_map.width || camera.height != of_map.height) {
+  if (!canBeOfOneCamera(of_map, camera)) {
     return notFoundInEarlierMap("the map that was loaded is of images of " + sizeOf(of_map) + " pixels, these have " +
                                 sizeOf(camera));
   }

@@ -11,6 +11,12 @@ std::size_t SavedMap::pointCount() const {
   return count;
 }
 
+bool canBeOfOneCamera(const PinholeCamera& a, const PinholeCamera& b) {
+  const auto& [small, large] = std::minmax(a, b, [](const auto& c, const auto& d) { return c.width < d.width; });
+  const int binning = large.width / std::max(small.width, 1);
+  return binning > 0 && small.width == large.width / binning && small.height == large.height / binning;
+}
+
 void moveBeforeAnyRun(SavedMap& map) {
   constexpr std::int64_t kLongestGap = 60'000'000'000;  // [ns]
   std::int64_t next = 0, moved = kBeforeAnyRun;

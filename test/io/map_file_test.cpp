@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "io/temporary_folder.h"
 #include "support/rendered_room.h"
@@ -92,6 +93,21 @@ TEST(MapFile, HasAllOfAMapToTheLastBit) {
       EXPECT_EQ(r.points[i].variance, s.points[i].variance);
     }
   }
+}
+
+TEST(MapFile, HasKeyframesOfImagesThatWereBinnedOnTheWay) {
+  const TemporaryFolder folder;
+  SavedMap map = exampleMap();
+  ArchivedKeyframe& last = map.keyframes.back();
+  last.camera = last.camera.halved();
+  cv::resize(last.image.clone(), last.image, {last.camera.width, last.camera.height});
+  for (ReferencePoint& point : last.reference.points) point.pixel *= 0.5F;
+  writeMap(folder.file("room.map"), map);
+  EXPECT_EQ(readMap(folder.file("room.map")).keyframes.back().camera.width, last.camera.width);
+  last.camera.width -= 1;
+  last.image = last.image.colRange(0, last.camera.width).clone();
+  writeMap(folder.file("room.map"), map);
+  EXPECT_NE(complaintAbout(folder.file("room.map")).find("images of different sizes"), std::string::npos);
 }
 
 TEST(MapFile, KeyframesLieBeforeAnyRun) {

@@ -243,6 +243,23 @@ TEST(EarlierMap, ImagesOfAnotherSizeAreToldAndBeginAMapOfTheirOwn) {
   }
 }
 
+/// The frame as it is where the machine does not keep up (`image.binning`).
+FrameConstPtr binnedFrame(const Frame& whole) {
+  auto frame = std::make_shared<Frame>(whole);
+  const ImageLevel& half = whole.pyramid.level(1);
+  frame->pyramid = ImagePyramid(half.intensity, half.camera, whole.pyramid.levels() - 1);
+  return frame;
+}
+
+TEST(EarlierMap, ACameraWhoseImagesAreBinnedIsFoundInIt) {
+  Odometry odometry(options(), 0);
+  odometry.beginIn(movedBeforeAnyRun());
+  for (std::size_t i = 40; i < 80; ++i) odometry.process(binnedFrame(*walk().frames.at(i)));
+  const SavedMap grown = odometry.mapper().savedMap().value();
+  ASSERT_GT(grown.keyframes.size(), firstRun().map->keyframes.size());
+  EXPECT_EQ(2 * grown.keyframes.back().camera.width, grown.keyframes.front().camera.width);
+}
+
 TEST(EarlierMap, KeepsItsUnitOfLength) {
   std::vector<Sim3> poses;
   for (int i = 0; i < 3; ++i)

@@ -33,6 +33,10 @@ void place(ArchivedKeyframe& keyframe, const Sim3& S_map_keyframe);
 /// All S_map_keyframe in such a unit of length that the first one's own is the map's, about where that is.
 void keepUnit(std::vector<Sim3>& poses);
 
+/// Whether images of both can be of one camera, binned differently (image/binning.h): a run may change to smaller
+/// images.
+bool canBeOfOneCamera(const PinholeCamera& a, const PinholeCamera& b);
+
 /// At most so many of its points, evenly chosen, for display. A point that several keyframes see comes several times.
 std::vector<MapPoint> displayPoints(const SavedMap& saved, MapId map, std::size_t most);
 
