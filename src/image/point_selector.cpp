@@ -20,7 +20,9 @@ constexpr int kMaxLevels = 3;             // of gradients: the finest and two co
 constexpr float kSmallestCell = 3.0F;     // [px]
 constexpr double kCountTolerance = 0.02;  // relative
 constexpr int kMaxRounds = 10;
-constexpr double kLeastNoise = 1.0;  // [grey levels] compression takes fine noise away, and leaves coarse errors
+constexpr double kFaintMargin = 3.0;  // the same for faint texture: a blank image hardly has a point
+constexpr double kLeastNoise = 1.0;   // [grey levels] compression takes fine noise away, and leaves coarse errors
+constexpr double kNoiseMargin = 3.5;  // of the gradient, per standard deviation of the noise: five of its own
 
 /// Direction along which the gradients of a cell are compared; spread over the half circle, different for neighbours.
 Eigen::Vector2f directionOfCell(int column, int row) {
@@ -190,13 +192,17 @@ std::vector<Eigen::Vector2i> selectPoints(const ImagePyramid& pyramid, int count
   const cv::Mat1f magnitude = gradientMagnitude(image);
   const RegionMedians medians(magnitude, allowed);
 
-  const double margin = config.noise_margin * std::max(static_cast<double>(estimateNoise(image)), kLeastNoise);
   CandidateLists candidates;
-  for (int level = 0; level < std::min(pyramid.levels(), kMaxLevels); ++level) {
-    const cv::Mat1f& intensity = pyramid.level(level).intensity;
-    const double noise_share = 1.0 / (1 << level);  // a pixel is the mean of 4^level
-    candidates.push_back(findCandidates(intensity, level == 0 ? magnitude : gradientMagnitude(intensity), level,
-                                        allowed, medians, static_cast<float>(margin * noise_share)));
+  const double noise = static_cast<double>(estimateNoise(image));
+  double margin = std::max(config.gradient_margin, kNoiseMargin * noise);
+  candidates.push_back(findCandidates(image, magnitude, 0, allowed, medians, static_cast<float>(margin)));
+  for (int level = 1; level < std::min(pyramid.levels(), kMaxLevels); ++level) {
+    margin *= config.coarse_margin_factor;
+    // A pixel is the mean of 4^level.
+    if (config.faint_texture) margin = kFaintMargin * std::max(noise, kLeastNoise) / (1 << level);
+    const cv::Mat1f& coarse = pyramid.level(level).intensity;
+    candidates.push_back(
+        findCandidates(coarse, gradientMagnitude(coarse), level, allowed, medians, static_cast<float>(margin)));
   }
 
   std::vector<Eigen::Vector2i> points;

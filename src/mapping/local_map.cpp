@@ -192,7 +192,9 @@ void LocalMap::alignBlurred(double blur_length_px) {
 }
 
 void LocalMap::selectImmaturePoints(HostKeyframe& host) const {
-  for (const Eigen::Vector2i& pixel : selectPoints(*host.image, config_.new_points_per_keyframe, {})) {
+  PointSelectorConfig options;
+  options.faint_texture = true;
+  for (const Eigen::Vector2i& pixel : selectPoints(*host.image, config_.new_points_per_keyframe, options)) {
     ImmaturePoint point;
     point.pixel = pixel;
     if (metric_ && !host.frame->depth.empty()) {

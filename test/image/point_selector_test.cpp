@@ -118,23 +118,35 @@ TEST(PointSelector, ThresholdAdaptsToContrast) {
   EXPECT_GT(weakest_right, 20.0);
 }
 
-TEST(PointSelector, FaintTextureIsFoundOnCoarserLevels) {
-  // Waves of 60 px: 0.8 grey levels per px on level 0, less than its noise; 1.7 on level 1 and 3.4 on level 2.
-  const auto waves = [](int x, int) { return 128.0 + 8.0 * std::sin(0.105 * x); };
-  const ImagePyramid pyramid = makePyramid(waves);
-  const ImagePyramid finest_only(pyramid.level(0).intensity, pyramid.level(0).camera, 1);
-  EXPECT_GT(selectPoints(pyramid, 400, {}).size(), 200U);
-  EXPECT_LT(selectPoints(finest_only, 400, {}).size(), 20U);
+TEST(PointSelector, SmoothShadingIsFoundOnCoarserLevels) {
+  // Waves of 60 px: 4.2 grey levels per px on level 0, not enough; 8.4 on level 1 and 16.8 on level 2.
+  const ImagePyramid pyramid = makePyramid(
+      [](int x, int y) { return 128.0 + 40.0 * std::sin(0.105 * x) * (std::abs(y - 240) < 60 ? 1.0 : 0.0); });
+  PointSelectorConfig finest_only;
+  finest_only.coarse_margin_factor = 100.0;
+  EXPECT_GT(selectPoints(pyramid, 400, {}).size(), selectPoints(pyramid, 400, finest_only).size());
 }
 
 TEST(PointSelector, BareCeilingCountsBesideItsEdge) {
-  // Points of the edge alone would leave a pose free to slide along it.
   const auto ceiling = [](int x, int y) {
     return y < 360 ? 80.0 + 5.0 * std::sin(0.13 * x) * std::sin(0.17 * y) : 180.0;
   };
-  const std::vector<Eigen::Vector2i> points = selectPoints(makePyramid(ceiling), 1000, {});
-  const auto away = std::count_if(points.begin(), points.end(), [](const auto& p) { return p.y() < 340; });
-  EXPECT_GT(away, 500);
+  const auto awayFromEdge = [&](bool faint_texture) {
+    PointSelectorConfig config;
+    config.faint_texture = faint_texture;
+    const std::vector<Eigen::Vector2i> points = selectPoints(makePyramid(ceiling), 1000, config);
+    return std::count_if(points.begin(), points.end(), [](const auto& p) { return p.y() < 340; });
+  };
+  EXPECT_GT(awayFromEdge(true), 500);
+  EXPECT_EQ(awayFromEdge(false), 0);
+}
+
+TEST(PointSelector, NoiseIsNoFaintTexture) {
+  PointSelectorConfig config;
+  config.faint_texture = true;
+  for (const double noise : {0.3, 1.0, 4.0}) {
+    EXPECT_LT(selectPoints(makePyramid([](int, int) { return 100.0; }, noise), 1500, config).size(), 5U) << noise;
+  }
 }
 
 TEST(PointSelector, AvoidsInvalidPixels) {
