@@ -12,8 +12,8 @@ namespace mba_vo {
 /// Throws std::runtime_error naming the file, and why, if it cannot be written or the map has no keyframe.
 void writeMap(const std::string& file, SavedMap map);
 
-/// At least one keyframe, all of one camera, binned or not. Throws std::runtime_error naming the file and what is wrong: it cannot
-/// be read, is no map, is of a later version, is cut off or damaged.
+/// At least one keyframe, all of one camera, binned or not. Throws std::runtime_error naming the file and what is
+/// wrong: it cannot be read, is no map, is of a later version, is cut off or damaged.
 SavedMap readMap(const std::string& file);
 
 }  // namespace mba_vo
