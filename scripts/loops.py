@@ -142,7 +142,10 @@ def main():
         print_drift(truth, a.run, keyframes)
         return
     online = np.loadtxt(os.path.join(a.run, "online_trajectory.txt"))
-    with open(os.path.join(a.run, "loops.csv"), encoding="utf-8") as file:
+    loops = os.path.join(a.run, "loops.csv")
+    if not os.path.exists(loops):
+        parser.error(f"{loops} is not there: RUN needs `mapper: {{loops: {{close: true}}}}` in its configuration")
+    with open(loops, encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     closed = [row for row in rows if row["rejected_because"] == ""]
     print_errors(closed, truth, online, a.depth)
