@@ -20,9 +20,9 @@ constexpr int kMaxLevels = 3;             // of gradients: the finest and two co
 constexpr float kSmallestCell = 3.0F;     // [px]
 constexpr double kCountTolerance = 0.02;  // relative
 constexpr int kMaxRounds = 10;
-constexpr double kFaintMargin = 3.0;  // the same for faint texture: a blank image hardly has a point
-constexpr double kLeastNoise = 1.0;   // [grey levels] compression takes fine noise away, and leaves coarse errors
 constexpr double kNoiseMargin = 3.5;  // of the gradient, per standard deviation of the noise: five of its own
+constexpr double kFaintMargin = 3.0;  // the same for faint texture (docs/decisions/2026-11-28-faint-texture.md)
+constexpr double kLeastNoise = 1.0;   // [grey levels] compression takes fine noise away, and leaves coarse errors
 
 /// Direction along which the gradients of a cell are compared; spread over the half circle, different for neighbours.
 Eigen::Vector2f directionOfCell(int column, int row) {
