@@ -5,7 +5,7 @@
 
 #include "mba_vo/blur/moment_products.h"
 #include "mba_vo/image/point_selector.h"
-#include "mba_vo/window/schur_complement.h"
+#include "mba_vo/solver/schur_complement.h"
 
 namespace mba_vo {
 namespace {

@@ -91,8 +91,9 @@ MapperOutput Mapper::Impl::refine() {
     return output;
   }
   output.refinement = true;
-  output.residuals = map_->residualCount();
-  if (map_->refineWindow(refining_->report)) return output;
+  const bool more = map_->refineWindow(refining_->report);
+  output.residuals = map_->evaluatedResiduals();
+  if (more) return output;
   finishRefining(true, output);
   output.reference = reference_;
   if (!health_.isYoung()) initial_frames_.clear();

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "mba_vo/window/schur_complement.h"
+#include "mba_vo/solver/schur_complement.h"
 #include "mba_vo/window/window_state.h"
 
 namespace mba_vo {

@@ -32,14 +32,11 @@ double NearDepthPenalty::cost(const WindowState& state) const {
   return kWeight / (median_ * median_) * sum;
 }
 
-void NearDepthPenalty::addTo(const WindowState& state, LinearizedWindow& system) const {
+void NearDepthPenalty::addTo(const PointState& point, Eigen::Index row, LinearizedWindow& system) const {
+  if (!concerns(point)) return;
   const double information = kWeight / (median_ * median_);
-  for (std::size_t i = 0; i < state.points.size(); ++i) {
-    const double beyond = excess(state.points[i]);
-    if (beyond <= 0.0) continue;
-    system.H_depth(static_cast<Eigen::Index>(i)) += information;
-    system.b_depth(static_cast<Eigen::Index>(i)) += information * beyond;
-  }
+  system.H_depth(row) += information;
+  system.b_depth(row) += information * excess(point);
 }
 
 bool NearDepthPenalty::isPlausible(double inverse_depth) const { return inverse_depth < kNearest * median_; }

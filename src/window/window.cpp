@@ -290,6 +290,8 @@ void Window::setSlopes(const std::vector<WindowPoint>& points,
 
 int Window::pointCount() const { return static_cast<int>(impl_->state_.points.size()); }
 
+int Window::evaluatedResiduals() const { return impl_->optimizer_.evaluatedResiduals(); }
+
 int Window::residualCount() const {
   const auto add = [](int sum, const PointState& point) { return sum + static_cast<int>(point.residuals.size()); };
   return std::accumulate(impl_->state_.points.begin(), impl_->state_.points.end(), 0, add);

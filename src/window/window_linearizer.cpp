@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "mba_vo/image/parallel_for.h"
 #include "mba_vo/solver/residual_spread.h"
@@ -45,6 +46,17 @@ bool isGoodTrial(const WindowState& state, const PatchResidual& residual) {
 }
 
 }  // namespace
+
+void WindowEvaluation::keepOnly(const std::vector<int>& some) {
+  std::vector<std::size_t> kept;
+  auto point = points.begin();
+  for (const int number : some) {
+    point = std::find(point, points.end(), number);
+    kept.push_back(first[static_cast<std::size_t>(point - points.begin())]);
+  }
+  points = some;
+  first = std::move(kept);
+}
 
 /// Sums of the residuals of one host in one target, in the target's states.
 struct PairSums {

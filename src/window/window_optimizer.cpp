@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "mba_vo/window/settling.h"
+
 namespace mba_vo {
 namespace {
 
@@ -12,6 +14,7 @@ constexpr double kThresholdFactor = 1.5;    // of that quantile
 constexpr int kMaxBadRounds = 3;
 constexpr int kMaxOutOfBoundsRounds = 2;
 constexpr double kMaxDepthFactor = 3.0;  // by which one step may change an inverse depth
+constexpr double kSettledPx = 0.1;       // below which a point that moves so little from here on has settled
 
 double truncated(float energy, double limit) { return std::min(static_cast<double>(energy), limit); }
 
@@ -28,6 +31,11 @@ double outlierEnergy(std::vector<float>& energies, double huber_threshold, doubl
 }
 
 }  // namespace
+
+struct WindowOptimizer::Step {
+  Eigen::VectorXd keyframes;
+  Eigen::VectorXd depths;  // of the points that are evaluated
+};
 
 /// State before a step.
 struct WindowOptimizer::Backup {
@@ -77,11 +85,7 @@ double WindowOptimizer::costChange(const WindowState& state) const {
   return change;
 }
 
-void WindowOptimizer::evaluateAll(WindowState& state) {
-  std::vector<int> all(state.points.size());
-  std::iota(all.begin(), all.end(), 0);
-  linearizer_.evaluate(state, all, evaluation_);
-}
+void WindowOptimizer::evaluate(WindowState& state) { linearizer_.evaluate(state, moving_, evaluation_); }
 
 void WindowOptimizer::acceptEnergies(WindowState& state) const {
   for (PointState& point : state.points) {
@@ -112,12 +116,15 @@ double WindowOptimizer::otherCost(const WindowState& state, const ScalePrior& sc
 void WindowOptimizer::begin(WindowState& state, const ScalePrior& scale_prior, int max_iterations) {
   summary_ = {};
   penalty_.reset();
+  settled_.clear();
   if (state.size() < 2) return;  // nothing to compare; points wait for a second keyframe
   max_iterations_ = max_iterations;
   lambda_ = options_.initial_lambda;
   penalty_.emplace(state);
   linearizer_.placePixels(state, options_.max_drift_px);
-  evaluateAll(state);
+  moving_.resize(state.points.size());
+  std::iota(moving_.begin(), moving_.end(), 0);
+  evaluate(state);
   linearizer_.followResiduals(state, evaluation_);
   acceptEnergies(state);
   updateOutlierThresholds(state);
@@ -125,41 +132,77 @@ void WindowOptimizer::begin(WindowState& state, const ScalePrior& scale_prior, i
   summary_.initial_cost = photometricCost(state) + otherCost(state, scale_prior);
 }
 
-/// Moves the state by the step of the damped system; false if there is none.
-bool WindowOptimizer::step(WindowState& state, const ScalePrior& scale_prior) {
+/// The step of the damped system; false if there is none.
+bool WindowOptimizer::solve(const WindowState& state, const ScalePrior& scale_prior, Step& step) {
   const Eigen::MatrixXd H = system_.H;
   const Eigen::VectorXd b = system_.b;
   const Eigen::VectorXd H_depth = system_.H_depth;
   const Eigen::VectorXd b_depth = system_.b_depth;
+  settled_.addTo(system_.H, system_.b);
   state.prior.addTo(state.deltas(), system_.H, system_.b);
   scale_prior.addTo(state, system_.H, system_.b);
-  penalty_->addTo(state, system_);
   const double precision = state.meanPrecision();
-  for (std::size_t i = 0; i < state.points.size(); ++i) {
-    addMeasuredDepth(state.points[i], precision, static_cast<Eigen::Index>(i), system_);
+  for (std::size_t i = 0; i < moving_.size(); ++i) {
+    const PointState& point = state.points[static_cast<std::size_t>(moving_[i])];
+    penalty_->addTo(point, static_cast<Eigen::Index>(i), system_);
+    addMeasuredDepth(point, precision, static_cast<Eigen::Index>(i), system_);
   }
   schur_.reduce(system_, lambda_, reduced_);
-  Eigen::VectorXd x;
-  const bool solved = solver_.solve(reduced_.H, reduced_.b, x);
-  Eigen::VectorXd depth_steps;
-  if (solved) depth_steps = schur_.solveDepths(system_, x);
+  const bool solved = solver_.solve(reduced_.H, reduced_.b, step.keyframes);
+  if (solved) step.depths = schur_.solveDepths(system_, step.keyframes);
   system_.H = H;
   system_.b = b;
   system_.H_depth = H_depth;
   system_.b_depth = b_depth;
-  if (!solved) return false;
+  return solved;
+}
+
+/// Points that a step hardly moves are not evaluated any more, if that saves something. What is not quadratic in their
+/// depths needs their depths at every step.
+void WindowOptimizer::settle(WindowState& state, Step& step) {
+  std::vector<bool> settles = hardlyMove(state, evaluation_.pairs, step.keyframes, step.depths, kSettledPx);
+  std::vector<int> moving;
+  for (std::size_t i = 0; i < settles.size(); ++i) {
+    const PointState& point = state.points[i];
+    settles[i] = settles[i] && !point.measured.known() && !penalty_->concerns(point);
+    if (!settles[i]) moving.push_back(static_cast<int>(i));
+  }
+  if (2 * moving.size() > settles.size()) return;
+  moving_ = std::move(moving);
+  evaluation_.keepOnly(moving_);
+  LinearizedWindow system;
+  linearizer_.assemble(state, evaluation_, system);
+  for (std::size_t i = 0; i < settles.size(); ++i) {
+    if (settles[i]) state.points[i].information = system_.H_depth(static_cast<Eigen::Index>(i));
+  }
+  settled_.settle(system_, settles, system);
+  system_ = std::move(system);
+  for (std::size_t i = 0; i < moving_.size(); ++i) step.depths(static_cast<Eigen::Index>(i)) = step.depths(moving_[i]);
+}
+
+void WindowOptimizer::move(WindowState& state, const Step& step) {
   step_norm_ = 0.0;
   for (int i = 0; i < state.size(); ++i) {
-    const Vector8 delta = x.segment<kKeyframeDim>(kKeyframeDim * i);
+    const Vector8 delta = step.keyframes.segment<kKeyframeDim>(kKeyframeDim * i);
     state.keyframe(i).delta += delta;
     step_norm_ = std::max(step_norm_, delta.head<6>().norm());
   }
   state.relinearize();
+  if (settled_.any()) settled_.move(step.keyframes);
+  for (std::size_t i = 0; i < moving_.size(); ++i) {
+    double& d = state.points[static_cast<std::size_t>(moving_[i])].inverse_depth;
+    d = std::clamp(d + step.depths(static_cast<Eigen::Index>(i)), d / kMaxDepthFactor, d * kMaxDepthFactor);
+  }
+}
+
+/// Settled points get the depths that suit the keyframes.
+void WindowOptimizer::placeSettled(WindowState& state) const {
+  if (!settled_.any()) return;
+  const Eigen::VectorXd steps = settled_.depthSteps();
   for (std::size_t i = 0; i < state.points.size(); ++i) {
     double& d = state.points[i].inverse_depth;
-    d = std::clamp(d + depth_steps(static_cast<Eigen::Index>(i)), d / kMaxDepthFactor, d * kMaxDepthFactor);
+    d = std::clamp(d + steps(static_cast<Eigen::Index>(i)), d / kMaxDepthFactor, d * kMaxDepthFactor);
   }
-  return true;
 }
 
 /// Takes the step just evaluated. Thresholds and pixels follow the state.
@@ -174,10 +217,11 @@ void WindowOptimizer::accept(WindowState& state) {
 void WindowOptimizer::summarize(WindowState& state) {
   const double precision = state.meanPrecision();
   double energy = 0.0;
-  for (std::size_t i = 0; i < state.points.size(); ++i) {
-    PointState& point = state.points[i];
-    point.information = system_.H_depth(static_cast<Eigen::Index>(i)) +
-                        measuredDepthTerm(point.measured, point.inverse_depth, precision).H;
+  for (std::size_t i = 0; i < moving_.size(); ++i) {
+    state.points[static_cast<std::size_t>(moving_[i])].information = system_.H_depth(static_cast<Eigen::Index>(i));
+  }
+  for (PointState& point : state.points) {
+    point.information += measuredDepthTerm(point.measured, point.inverse_depth, precision).H;
     for (PatchResidual& residual : point.residuals) {
       const bool good = state.isGood(residual);
       residual.bad_rounds = good ? 0 : residual.bad_rounds + 1;
@@ -205,16 +249,23 @@ bool WindowOptimizer::iterate(WindowState& state, const ScalePrior& scale_prior)
   if (!penalty_ || summary_.iterations >= max_iterations_ || lambda_ > options_.max_lambda) return false;
   ++summary_.iterations;
   const Backup backup(state);
+  const Eigen::VectorXd moved = settled_.moved();
   const double other_cost = otherCost(state, scale_prior);
-  bool better = step(state, scale_prior);
+  Step step;
+  bool better = solve(state, scale_prior, step);
   double change = 0.0;
   if (better) {
-    evaluateAll(state);
-    change = costChange(state) + otherCost(state, scale_prior) - other_cost;
+    // A step that is damped tells nothing of those to come.
+    if (!settled_.any() && lambda_ <= options_.initial_lambda) settle(state, step);
+    const double settled_cost = settled_.costChange();
+    move(state, step);
+    evaluate(state);
+    change = costChange(state) + settled_.costChange() - settled_cost + otherCost(state, scale_prior) - other_cost;
     better = change < 0.0;
   }
   if (!better) {
     backup.restore(state);
+    settled_.moveTo(moved);
     lambda_ = std::max(lambda_, options_.initial_lambda) * 10.0;
     return summary_.iterations < max_iterations_ && lambda_ <= options_.max_lambda;
   }
@@ -232,6 +283,7 @@ bool WindowOptimizer::iterate(WindowState& state, const ScalePrior& scale_prior)
 
 WindowSummary WindowOptimizer::finish(WindowState& state, const ScalePrior& scale_prior) {
   if (penalty_) {
+    placeSettled(state);
     summary_.final_cost = photometricCost(state) + otherCost(state, scale_prior);
     summarize(state);
   }

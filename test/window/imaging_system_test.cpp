@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 
-#include "mba_vo/window/schur_complement.h"
+#include "mba_vo/solver/schur_complement.h"
 #include "support/jacobian.h"
 #include "support/random.h"
 #include "window/bilinear_window.h"

@@ -77,8 +77,8 @@ class LocalMap {
   void refineWindowNoFurther(KeyframeReport& report);
   /// How the newest keyframe moved is known better now. Adopted before or after an optimisation, never within it.
   void reviseNewestMotion(const BodyMotion& motion) { revised_motion_ = motion; }
-  /// That the next piece of the refinement goes through.
-  int residualCount() const { return refinement_.next == Refinement::Piece::kSelect ? 0 : window_.residualCount(); }
+  /// Evaluated by the last piece of the refinement.
+  int evaluatedResiduals() const { return refinement_.evaluated_residuals; }
 
   /// Whether with the sharp image in place of its own the keyframe would explain the others of the window no worse.
   bool explainsAsWell(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp) const;
@@ -118,7 +118,8 @@ class LocalMap {
   struct Refinement {
     enum class Piece { kSelect, kBegin, kIterate, kConclude };
     Piece next = Piece::kSelect;
-    int calibration_steps = 0;  // taken
+    int calibration_steps = 0;    // taken
+    int evaluated_residuals = 0;  // by the last piece
   };
 
   void addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mba_vo/window/schur_complement.h"
+#include "mba_vo/solver/schur_complement.h"
 #include "mba_vo/window/window_state.h"
 
 namespace mba_vo {
@@ -15,8 +15,9 @@ class NearDepthPenalty {
   explicit NearDepthPenalty(const WindowState& state);
 
   double cost(const WindowState& state) const;
-  /// Adds Hessian and half the gradient of the inverse depths.
-  void addTo(const WindowState& state, LinearizedWindow& system) const;
+  bool concerns(const PointState& point) const { return excess(point) > 0.0; }
+  /// Adds Hessian and half the gradient of the inverse depth of the point in this row of the system.
+  void addTo(const PointState& point, Eigen::Index row, LinearizedWindow& system) const;
   /// False for a point that is so much nearer than the others that it cannot be right.
   bool isPlausible(double inverse_depth) const;
 

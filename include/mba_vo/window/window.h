@@ -188,7 +188,8 @@ class Window {
   AffineBrightness brightness(KeyframeId id) const;
   std::vector<WindowPoint> points() const;
   int pointCount() const;
-  int residualCount() const;  // good or not
+  int residualCount() const;       // good or not
+  int evaluatedResiduals() const;  // by the last piece of an optimisation: those that have not settled
 
  private:
   class Impl;

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "mba_vo/window/photometric_residual.h"
-#include "mba_vo/window/schur_complement.h"
+#include "mba_vo/solver/schur_complement.h"
 #include "mba_vo/window/window_state.h"
 
 namespace mba_vo {
@@ -14,6 +14,9 @@ struct WindowEvaluation {
   std::vector<std::size_t> first;        // of a point's comparisons
   std::vector<PatchComparison> patches;  // one per residual, valid where it has a trial_energy
   std::vector<PairGeometry> pairs;       // in which they have residuals, of the state evaluated
+
+  /// These, in order, some of `points`.
+  void keepOnly(const std::vector<int>& some);
 };
 
 /// Evaluates residuals of a window and accumulates their normal equations. Points are cut in chunks whose bounds depend

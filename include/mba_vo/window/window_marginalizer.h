@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "mba_vo/window/schur_complement.h"
+#include "mba_vo/solver/schur_complement.h"
 #include "mba_vo/window/window_linearizer.h"
 
 namespace mba_vo {

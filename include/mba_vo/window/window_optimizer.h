@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "mba_vo/solver/reduced_camera_solver.h"
+#include "mba_vo/solver/settled_points.h"
 #include "mba_vo/window/near_depth_penalty.h"
 #include "mba_vo/window/scale_prior.h"
 #include "mba_vo/window/window_linearizer.h"
@@ -28,18 +29,24 @@ class WindowOptimizer {
   void begin(WindowState& state, const ScalePrior& scale_prior, int max_iterations);
   /// One step, taken or refused. False: no more are wanted.
   bool iterate(WindowState& state, const ScalePrior& scale_prior);
+  /// By `begin`, or the last `iterate`.
+  int evaluatedResiduals() const { return static_cast<int>(evaluation_.patches.size()); }
   WindowSummary finish(WindowState& state, const ScalePrior& scale_prior);
 
   /// Sum of the energies at the current state; an outlier counts with its keyframe's threshold.
   static double photometricCost(const WindowState& state);
 
  private:
+  struct Step;
   struct Backup;
-  void evaluateAll(WindowState& state);
+  void evaluate(WindowState& state);
   void acceptEnergies(WindowState& state) const;
   void updateOutlierThresholds(WindowState& state) const;
   double otherCost(const WindowState& state, const ScalePrior& scale_prior) const;
-  bool step(WindowState& state, const ScalePrior& scale_prior);
+  bool solve(const WindowState& state, const ScalePrior& scale_prior, Step& step);
+  void settle(WindowState& state, Step& step);
+  void move(WindowState& state, const Step& step);
+  void placeSettled(WindowState& state) const;
   double costChange(const WindowState& state) const;
   void accept(WindowState& state);
   void summarize(WindowState& state);
@@ -49,8 +56,10 @@ class WindowOptimizer {
   WindowOptimizerOptions options_;
   ReducedCameraSolver solver_;
   SchurComplement schur_;
-  WindowEvaluation evaluation_;  // of the last state tried
-  LinearizedWindow system_;      // at the current state
+  std::vector<int> moving_;      // points that have not settled
+  WindowEvaluation evaluation_;  // of these, at the last state tried
+  LinearizedWindow system_;      // of these, at the current state
+  SettledPoints settled_;
   ReducedSystem reduced_;
   double step_norm_ = 0.0;
   std::optional<NearDepthPenalty> penalty_;  // while it is optimising

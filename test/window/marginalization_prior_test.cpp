@@ -1,74 +1,12 @@
+#include "mba_vo/window/marginalization_prior.h"
+
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
 
-#include "mba_vo/solver/reduced_camera_solver.h"
-#include "mba_vo/window/marginalization_prior.h"
-#include "mba_vo/window/schur_complement.h"
 #include "support/random.h"
 
-namespace mba_vo::window_solver_test {
+namespace mba_vo::marginalization_prior_test {
 namespace {
-
-/// A random least-squares problem: `states` camera states, `points` depths, each depth in four residuals of its own,
-/// which only some of the keyframes have a part in: every `stride`-th, beginning with another one from point to point.
-struct Problem {
-  LinearizedWindow system;
-  Eigen::MatrixXd H_full;
-  Eigen::VectorXd b_full;
-};
-
-Problem randomProblem(test::Random& random, int states, int points, int stride = 1) {
-  const int rows = 4 * points;
-  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(rows, states + points);
-  for (int p = 0; p < points; ++p) {
-    J.block(4 * p, states + p, 4, 1) = random.matrix(4, 1);
-    for (int k = p % stride; 8 * k < states; k += stride) J.block(4 * p, 8 * k, 4, 8) = random.matrix(4, 8);
-  }
-  const Eigen::VectorXd r = random.matrix(rows, 1);
-  Problem problem;
-  problem.H_full = J.transpose() * J;
-  problem.b_full = J.transpose() * r;
-  problem.system.H = problem.H_full.topLeftCorner(states, states);
-  problem.system.b = problem.b_full.head(states);
-  problem.system.V = problem.H_full.bottomLeftCorner(points, states);
-  problem.system.H_depth = problem.H_full.diagonal().tail(points);
-  problem.system.b_depth = problem.b_full.tail(points);
-  return problem;
-}
-
-TEST(SchurComplement, StepEqualsDenseSolution) {
-  test::Random random(1);
-  for (const int states : {8, 24, 56, 120}) {
-    const int points = 3 * states;
-    const Problem problem = randomProblem(random, states, points, states > 100 ? 4 : 1);
-    SchurComplement schur;
-    ReducedSystem reduced;
-    ReducedCameraSolver solver;
-    for (const double lambda : {1.0, 1e-3, 0.0}) {  // in this order: damping must not accumulate
-      schur.reduce(problem.system, lambda, reduced);
-      Eigen::VectorXd x;
-      ASSERT_TRUE(solver.solve(reduced.H, reduced.b, x));
-      const Eigen::VectorXd d = schur.solveDepths(problem.system, x);
-      Eigen::MatrixXd damped = problem.H_full;
-      damped.diagonal() *= 1.0 + lambda;
-      const Eigen::VectorXd expected = -damped.ldlt().solve(problem.b_full);
-      EXPECT_LT((x - expected.head(states)).norm(), 1e-8 * expected.norm()) << states << " states, lambda " << lambda;
-      EXPECT_LT((d - expected.tail(points)).norm(), 1e-8 * expected.norm()) << states << " states, lambda " << lambda;
-    }
-  }
-}
-
-TEST(SchurComplement, PointsWithoutInformationStay) {
-  test::Random random(2);
-  Problem problem = randomProblem(random, 8, 20);
-  problem.system.V.row(3).setZero();
-  problem.system.H_depth(3) = problem.system.b_depth(3) = 0.0;
-  SchurComplement schur;
-  ReducedSystem reduced;
-  schur.reduce(problem.system, 0.0, reduced);
-  EXPECT_TRUE(reduced.H.allFinite());
-  EXPECT_EQ(schur.solveDepths(problem.system, Eigen::VectorXd::Ones(8))(3), 0.0);
-}
 
 TEST(MarginalizationPrior, KeepsTheMinimumOfTheJointProblem) {
   test::Random random(5);
@@ -147,4 +85,4 @@ TEST(MarginalizationPrior, MovingTheLinearizationPointKeepsTheCost) {
 }
 
 }  // namespace
-}  // namespace mba_vo::window_solver_test
+}  // namespace mba_vo::marginalization_prior_test

@@ -1,4 +1,4 @@
-#include "mba_vo/window/schur_complement.h"
+#include "mba_vo/solver/schur_complement.h"
 
 #include <cstdint>
 #include <cstring>

@@ -1,0 +1,87 @@
+#include "mba_vo/window/settling.h"
+
+#include <gtest/gtest.h>
+
+#include "support/random.h"
+#include "window/bilinear_window.h"
+
+namespace mba_vo::test::settling_test {
+namespace {
+
+/// How far a point moves in the images of the keyframes that it has residuals in, at most [px].
+double largestShift(const WindowState& before, const WindowState& after, std::size_t point) {
+  double largest = 0.0;
+  for (const PatchResidual& residual : before.points[point].residuals) {
+    const auto seen = [&](const WindowState& state) {
+      const PointState& p = state.points[point];
+      const PairGeometry pair = makePairGeometry(state.keyframe(p.host), state.keyframe(residual.target), true);
+      return projectIntoTarget(pair, p.pixel, p.inverse_depth);
+    };
+    const auto from = seen(before);
+    const auto to = seen(after);
+    if (from && to) largest = std::max(largest, (*to - *from).norm());
+  }
+  return largest;
+}
+
+struct Moved {
+  WindowState before;
+  WindowState after;
+  Eigen::VectorXd keyframe_steps;
+  Eigen::VectorXd depth_steps;
+
+  Moved(Random& random, double translation, double rotation, double depth)
+      : before(randomState(random, Exposure::kSharp)),
+        after(before),
+        keyframe_steps(kKeyframeDim * before.size()),
+        depth_steps(static_cast<Eigen::Index>(before.points.size())) {
+    for (int i = 0; i < before.size(); ++i) {
+      Vector8 step = Vector8::Zero();
+      step.head<6>() = random.tangent(translation, rotation);
+      after.keyframe(i).delta += step;
+      keyframe_steps.segment<kKeyframeDim>(kKeyframeDim * i) = step;
+    }
+    for (std::size_t i = 0; i < before.points.size(); ++i) {
+      const double step = random.normal(depth);
+      after.points[i].inverse_depth += step;
+      depth_steps(static_cast<Eigen::Index>(i)) = step;
+    }
+  }
+
+  std::vector<bool> settled(double limit) const {
+    return hardlyMove(before, makePairGeometries(before, true), keyframe_steps, depth_steps, limit);
+  }
+};
+
+TEST(Settling, WhatMovesIsNotedAndWhatDoesNotIsSettled) {
+  Random random(1);
+  int told_apart = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    const double size = random.uniform(0.2, 2.0);
+    const Moved moved(random, 4e-4 * size, 2e-4 * size, 5e-4 * size);
+    const std::vector<bool> settled = moved.settled(0.1);
+    const std::vector<bool> settled_for_more = moved.settled(0.6);
+    for (std::size_t i = 0; i < settled.size(); ++i) {
+      const double shift = largestShift(moved.before, moved.after, i);
+      if (settled[i]) EXPECT_LT(shift, 0.12) << "trial " << trial << ", point " << i;
+      // The three ways to move may undo each other; they are told apart within reason nevertheless.
+      if (shift < 0.1) EXPECT_TRUE(settled_for_more[i]) << "trial " << trial << ", point " << i << ": " << shift;
+      told_apart += settled[i] ? 1 : 0;
+    }
+  }
+  EXPECT_GT(told_apart, 10);
+}
+
+TEST(Settling, MovingTogetherIsNotMoving) {
+  Random random(2);
+  Moved moved(random, 0.0, 0.0, 0.0);
+  const Vector6 step = random.tangent(0.05, 0.05);  // of the world
+  for (int i = 0; i < moved.before.size(); ++i) {
+    const SE3 T = moved.before.keyframe(i).T_map_keyframe();
+    moved.keyframe_steps.segment<6>(kKeyframeDim * i) = T.inverse().adjoint() * step;
+  }
+  for (const bool settled : moved.settled(1e-3)) EXPECT_TRUE(settled);
+}
+
+}  // namespace
+}  // namespace mba_vo::test::settling_test
