@@ -98,7 +98,7 @@ entry() {
   local options=""
   if [[ $2 = *-0 ]]; then options="--exposure 0"; fi
   if [[ $2 = rolling-* ]]; then options="$options --row-time $row_time"; fi
-  echo "  $1-$2: {path: $1-$2, options: \"$options\"}"
+  echo "  $1-$2: {path: $1-$2, options: \"$options\", group: \"${2%-*} shutter, ${2#*-} ms\"}"
 }
 
 mkdir -p "$output/sequences"

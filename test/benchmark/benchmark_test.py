@@ -87,6 +87,49 @@ class Programs(InFolder):
         self.assertEqual(page.count("/worst/"), 1)
         self.assertIsNone(self.results()["runs"][1]["failed"])  # for want of a picture
 
+    def test_groups_come_first(self):
+        for name, ate in (("one", "0.1"), ("two", "0.3"), ("three", "0.2"), ("alone", "0.4")):
+            self.fakes.add_sequence(name, ate)
+        self.write("""
+            sequences:
+              one: {path: one, group: 20 ms}
+              two: {path: two, group: 20 ms}
+              three: {path: three, group: 20 ms}
+              alone: alone
+            starts: [5]
+            variants: {with: {}, without: {}}
+            """)
+        self.run_it()
+        self.assertAlmostEqual(self.results()["groups"]["20 ms"]["with"]["map_ate_cm"], 25.0)
+        self.assertEqual(list(self.results()["groups"]), ["20 ms"])
+        page = (self.output / "results.md").read_text()
+        self.assertRegex(page, r"\| 20 ms \| without \| 25.0 \|")
+        self.assertLess(page.index("## By group"), page.index("## Causal figures"))
+
+    def test_of_many_runs_the_worst_are_drawn(self):
+        names = ["s%d" % i for i in range(30)]
+        for i, name in enumerate(names):
+            self.fakes.add_sequence(name, "0.%d" % (100 + i))
+        self.write("sequences: {%s}\nstarts: [5]" % ", ".join("%s: %s" % (name, name) for name in names))
+        self.run_it()
+        page = (self.output / "results.md").read_text()
+        self.assertIn("of 30 runs the 24 that are worst", page)
+        self.assertNotIn("(runs/s5-mba_vo-5/", page)
+        self.assertIn("(runs/s6-mba_vo-5/trajectory.png)", page)
+
+    def test_two_hundred_runs_leave_nothing_behind(self):
+        for i in range(20):
+            self.fakes.add_sequence("s%d" % i)
+        sequences = ", ".join("s%d: s%d" % (i, i) for i in range(20))
+        self.write("sequences: {%s}\nstarts: %s" % (sequences, list(range(10))))
+        self.run_it("--jobs", "16")
+        self.assertEqual(len(self.fakes.made()), 200)
+        self.assertEqual(len(list((self.output / "runs").iterdir())), 200)
+        self.assertFalse([file for file in files_below(self.output) if file.endswith(".part") or "tmp" in file])
+        self.assertEqual({file for file in os.listdir(self.output) if file != "runs"},
+                         {"results.json", "results.csv", "results.md", "results.html"})
+        self.assertFalse([process for process in self.fakes.processes() if alive(process)])
+
     def test_failures_are_repeated_alone(self):
         for name in ("good", "broken", "once", "killed"):
             self.fakes.add_sequence(name)

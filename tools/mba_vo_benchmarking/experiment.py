@@ -6,7 +6,7 @@ from . import checked_yaml, published
 from .errors import BenchmarkError
 
 KEYS = ("title", "data", "options", "starts", "time_limit", "sequences", "variants", "others", "published")
-SEQUENCE_KEYS = ("path", "groundtruth", "evaluation", "options", "config", "published")
+SEQUENCE_KEYS = ("path", "groundtruth", "evaluation", "options", "config", "published", "group")
 VARIANT_KEYS = ("options", "config")
 OURS = ("--output", "--config", "--skip", "--print-config")  # options that the benchmark sets itself
 DEFAULT_TIME_LIMIT = 3600.0  # of a run [s]
@@ -21,6 +21,7 @@ class Sequence:
     options: tuple  # of mba_vo_offline
     config: dict
     published: str  # its name in the table of published figures
+    group: str  # sequences that have something in common, such as the exposure; "": none
 
 
 @dataclasses.dataclass(frozen=True)
@@ -73,7 +74,8 @@ def _sequence(name, node, data, folder):
     path = data / keys["path"].text()
     truth = data / keys["groundtruth"].text() if "groundtruth" in keys else path
     return Sequence(name, path, truth, tuple(keys["evaluation"].words()) if "evaluation" in keys else (), _options(keys),
-                    _config(keys, folder), keys["published"].text() if "published" in keys else name)
+                    _config(keys, folder), keys["published"].text() if "published" in keys else name,
+                    keys["group"].text() if "group" in keys else "")
 
 
 def _variant(name, node, folder):

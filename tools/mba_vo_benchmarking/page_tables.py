@@ -7,14 +7,30 @@ from .tables import Table
 CAUSAL_NOTE = ("As published, when it was published: errors in map and odom after alignment by a similarity; images with a pose within a "
                "frame interval, of all and of those after the first parallax; the first pose after the first parallax.")
 
+GROUPED = [figure for figure in figures.CAUSAL + figures.SMOOTHED
+           if figure.key in ("map_ate_cm", "odom_ate_cm", "moving_percent", "first_pose_s", "smoothed_ate_cm")]
+
 
 def all_tables(results):
-    tables = [_ours(results, "Causal figures", CAUSAL_NOTE, figures.CAUSAL),
+    tables = [table for table in (_by_group(results), _curves(results)) if table]
+    tables += [_ours(results, "Causal figures", CAUSAL_NOTE, figures.CAUSAL),
               _ours(results, "Smoothed", "With what was known in the end. Dropped: images without a pose.", figures.SMOOTHED)]
-    tables += [table for table in (_side_by_side(results), _published_sources(results), _curves(results)) if table]
+    tables += [table for table in (_side_by_side(results), _published_sources(results)) if table]
     tables.append(_ours(results, "Time and memory", "On the cores that a run had; runs were side by side.", figures.TIMES))
     tables.append(_all_runs(results))
     return tables + [table for table in (_failures(results), _missing(results)) if table]
+
+
+def _by_group(results):
+    rows = []
+    for group in results.groups():
+        for variant in results.variants():
+            sequences = results.of_group(group, variant)
+            values = figures.medians(sequences, figures.OURS)
+            rows.append([group, variant] + [figures.shown(figure, values[figure.key]) for figure in GROUPED] +
+                        ["%d of %d" % (results.without_drops(group, variant), len(sequences))])
+    note = "Medians over the sequences of a group, of each sequence over its starts. Published figures first; no drops: sequences of which no run dropped an image after its first pose."
+    return Table("By group", note, ["group", "variant"] + [figure.title for figure in GROUPED] + ["no drops"], rows) if rows else None
 
 
 def _starts(results):
@@ -94,7 +110,7 @@ def _curves(results):
     rows = [[variant, "%g" % blur, count] + [_ate(q) for q in quartiles]
             for variant, curve in results.curves().items() for blur, quartiles, count in curve]
     note = "Published ATE of pieces of 5 s, each aligned by itself, by the blur that 90 % of the piece's images stay below (motion within the exposure at 2 m)."
-    return Table("ATE against blur", note, ["variant", "blur, middle of 10 px [px]", "pieces", "25 % [cm]", "median [cm]", "75 % [cm]"],
+    return Table("ATE against blur, figures", note, ["variant", "blur, middle of 10 px [px]", "pieces", "25 % [cm]", "median [cm]", "75 % [cm]"],
                  rows) if rows else None
 
 

@@ -12,7 +12,9 @@ th { background: #f2f4f7; white-space: normal; vertical-align: bottom } td:first
 .plots { display: flex; flex-wrap: wrap; gap: 1em } figure { margin: 0; width: 30em } img { width: 100% }
 svg { max-width: 100%; height: auto } pre { background: #f2f4f7; padding: .6em; overflow-x: auto }
 """
-PLOT_NOTE = "Of the starts the one in the middle. Grey: the truth; red: published, or another system; blue: smoothed."
+MOST_PICTURES = 24
+PLOT_NOTE = "Of the starts the one in the middle%s. Grey: the truth; red: published, or another system; blue: smoothed."
+FEW_NOTE = ", of %d runs the %d that are worst by the published map ATE"
 WORST_NOTE = ("Of the same runs: the first image of the longest stretch without a published pose, else the one that fits its keyframe "
               "worst; as an ideal pinhole camera sees it.")
 FILES = ("results.md", "results.html", "ate_against_blur.svg")
@@ -20,22 +22,22 @@ FILES = ("results.md", "results.html", "ate_against_blur.svg")
 
 def _plots(results):
     """Captions and files of the trajectories' plots."""
-    for sequence in results.sequences():
-        for name in results.variants() + results.systems():
-            run = results.typical(sequence.name, name)
-            if run is not None:
-                yield run.name, run.task.folder / "trajectory.png"
+    for run in results.shown(MOST_PICTURES):
+        yield run.name, run.task.folder / "trajectory.png"
+
+
+def _plot_note(results):
+    count = len(results.shown(None))
+    return PLOT_NOTE % (FEW_NOTE % (count, MOST_PICTURES) if count > MOST_PICTURES else "")
 
 
 def _worst(results):
     """Captions and files of the worst frames."""
-    for sequence in results.sequences():
-        for name in results.variants():
-            run = results.typical(sequence.name, name)
-            file = worst.picture(run.task.folder) if run is not None else None
-            if file is not None:
-                index, why = worst.of_run(run.task.folder)
-                yield "%s, image %d: %s" % (run.name, run.start + index, why), file
+    for run in results.shown(MOST_PICTURES):
+        file = worst.picture(run.task.folder)
+        if file is not None:
+            index, why = worst.of_run(run.task.folder)
+            yield "%s, image %d: %s" % (run.name, run.start + index, why), file
 
 
 def _figures(pictures):
@@ -47,10 +49,10 @@ def _figures(pictures):
 
 def as_markdown(results, command, output, curve):
     parts = ["# %s\n" % results.experiment.title, "    %s\n" % command]
-    parts += [tables.markdown(table) for table in page_tables.all_tables(results)]
     if curve:
-        parts.append("## ATE against blur, the curve\n\n![ATE against blur](ate_against_blur.svg)\n")
-    parts.append("## Trajectories\n\n%s\n" % PLOT_NOTE)
+        parts.append("## ATE against blur\n\n![ATE against blur](ate_against_blur.svg)\n")
+    parts += [tables.markdown(table) for table in page_tables.all_tables(results)]
+    parts.append("## Trajectories\n\n%s\n" % _plot_note(results))
     parts += _links(_plots(results), output)
     pictures = _links(_worst(results), output)
     if pictures:
@@ -67,10 +69,10 @@ def as_page(results, command, curve):
     title = html.escape(results.experiment.title)
     parts = ["<!doctype html>\n<html lang=en><meta charset=utf-8><title>%s</title><style>%s</style>\n<h1>%s</h1>\n<pre>%s</pre>\n" %
              (title, STYLE, title, html.escape(command))]
-    parts += [tables.as_html(table) for table in page_tables.all_tables(results)]
     if curve:
-        parts.append("<h2>ATE against blur, the curve</h2>\n%s\n" % curve[curve.index("<svg"):])
-    parts.append("<h2>Trajectories</h2><p>%s</p>\n<div class=plots>\n" % PLOT_NOTE)
+        parts.append("<h2>ATE against blur</h2>\n%s\n" % curve[curve.index("<svg"):])
+    parts += [tables.as_html(table) for table in page_tables.all_tables(results)]
+    parts.append("<h2>Trajectories</h2><p>%s</p>\n<div class=plots>\n" % _plot_note(results))
     parts += _figures(_plots(results))
     pictures = list(_figures(_worst(results)))
     if pictures:

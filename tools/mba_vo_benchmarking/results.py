@@ -23,6 +23,20 @@ class Results:
     def sequences(self):
         return [s for s in self.experiment.sequences if s not in self.missing]
 
+    def groups(self):
+        """In the order of the experiment."""
+        return list(dict.fromkeys(s.group for s in self.sequences() if s.group))
+
+    def of_group(self, group, variant):
+        """Of each sequence of a group the medians over its starts."""
+        found = [self.medians(s.name, variant) for s in self.sequences() if s.group == group]
+        return [values for values in found if values is not None]
+
+    def without_drops(self, group, variant):
+        """Of how many sequences of a group no run dropped an image after its first pose."""
+        runs = [self.of(s.name, variant) for s in self.sequences() if s.group == group]
+        return sum(all(self.values[run.name]["dropped_after_first"] == 0 for run in of_one) for of_one in runs if of_one)
+
     def variants(self):
         return [variant.name for variant in self.experiment.variants]
 
@@ -36,6 +50,13 @@ class Results:
         key = "map_ate_cm" if runs and runs[0].start is not None else "smoothed_ate_cm"
         runs.sort(key=lambda run: self.values[run.name][key])
         return runs[(len(runs) - 1) // 2] if runs else None
+
+    def shown(self, most):
+        """The typical runs of all sequences, variants and systems; if there are more than `most`, the worst by the published map ATE."""
+        runs = [self.typical(s.name, name) for s in self.sequences() for name in self.variants() + self.systems()]
+        runs = [run for run in runs if run is not None]
+        worst = sorted(runs, key=lambda run: -self.values[run.name].get("map_ate_cm", 0.0))[:most]
+        return [run for run in runs if run in worst]
 
     def curves(self):
         """ATE against blur, {variant: pieces.curve}, of the variants that have any."""
@@ -65,6 +86,9 @@ def as_json(results):
         "runs": [run(one) for one in results.runs],
         "medians": {s.name: {name: median(s.name, name) for name in names if results.of(s.name, name)}
                     for s in results.sequences()},
+        "groups": {group: {name: {key: _number(value) for key, value in figures.medians(
+                       results.of_group(group, name), figures.OURS).items()} for name in results.variants()}
+                   for group in results.groups()},
         "ate_against_blur": {variant: [{"blur_px": blur, "ate_cm": [_number(q) for q in quartiles], "pieces": count}
                                        for blur, quartiles, count in curve] for variant, curve in results.curves().items()},
         "missing_sequences": [s.name for s in results.missing],
