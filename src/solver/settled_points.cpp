@@ -4,13 +4,7 @@
 
 namespace mba_vo {
 
-void SettledPoints::clear() {
-  any_ = false;
-  moved_.resize(0);
-}
-
-void SettledPoints::settle(LinearizedWindow& system, const std::vector<bool>& settles,
-                           const LinearizedWindow& others) {
+void SettledPoints::settle(LinearizedWindow& system, const std::vector<bool>& settles, const LinearizedWindow& others) {
   any_ = true;
   std::swap(system_, system);
   system_.H -= others.H;
@@ -24,6 +18,10 @@ void SettledPoints::settle(LinearizedWindow& system, const std::vector<bool>& se
   }
   schur_.reduce(system_, 0.0, reduced_);
   moved_.setZero(system_.b.size());
+}
+
+void SettledPoints::move(const Eigen::VectorXd& step) {
+  if (any_) moved_ += step;
 }
 
 double SettledPoints::costChange() const {

@@ -64,8 +64,28 @@ struct PairSums {
   Vector8 b = Vector8::Zero();
 };
 
-struct WindowLinearizer::Chunk {
-  std::vector<PairSums> pairs;  // host * keyframes + target
+/// Of the pairs that its points have residuals in: few, for points come by host.
+class WindowLinearizer::Chunk {
+ public:
+  explicit Chunk(std::size_t pairs = 0) : slot_(pairs, kNone) {}
+  PairSums& at(std::size_t pair) {
+    if (slot_[pair] == kNone) {
+      slot_[pair] = static_cast<int>(sums_.size());
+      sums_.emplace_back();
+    }
+    return sums_[static_cast<std::size_t>(slot_[pair])];
+  }
+  void addTo(std::size_t pair, PairSums& total) const {
+    if (slot_[pair] == kNone) return;
+    const PairSums& sums = sums_[static_cast<std::size_t>(slot_[pair])];
+    total.H += sums.H;
+    total.b += sums.b;
+  }
+
+ private:
+  static constexpr int kNone = -1;
+  std::vector<int> slot_;  // by host * keyframes + target
+  std::vector<PairSums> sums_;
 };
 
 void WindowLinearizer::evaluateResidual(const PairGeometry& pair, const PointState& point, PatchResidual& residual,
@@ -174,7 +194,7 @@ void WindowLinearizer::assemblePoint(const WindowState& state, const WindowEvalu
     const PairGeometry& pair = pairOf(evaluation.pairs, state, point, residual);
     if (!makeJacobianPath(pair, residual.centre, point, path)) continue;
     assembleSystem(comparison, path, pair.blurred, system);
-    PairSums& sums = chunk.pairs[static_cast<std::size_t>(&pair - evaluation.pairs.data())];
+    PairSums& sums = chunk.at(static_cast<std::size_t>(&pair - evaluation.pairs.data()));
     sums.H += system.H;
     sums.b += system.b;
     V.segment<kKeyframeDim>(kKeyframeDim * residual.target) += system.H_state_depth.transpose();
@@ -226,8 +246,7 @@ void WindowLinearizer::assemble(const WindowState& state, const WindowEvaluation
   const int n = state.size();
   const std::vector<PairGeometry>& pairs = evaluation.pairs;
   out.setZero(kKeyframeDim * n, static_cast<int>(evaluation.points.size()));
-  std::vector<Chunk> chunks(chunksOf(evaluation.points.size()));
-  for (Chunk& chunk : chunks) chunk.pairs.resize(pairs.size());
+  std::vector<Chunk> chunks(chunksOf(evaluation.points.size()), Chunk(pairs.size()));
   forEachRow(evaluation.points.size(), [&](std::size_t chunk, std::size_t row) {
     assemblePoint(state, evaluation, static_cast<int>(row), chunks[chunk], out);
   });
@@ -237,10 +256,7 @@ void WindowLinearizer::assemble(const WindowState& state, const WindowEvaluation
       const auto index = static_cast<std::size_t>(h * n + t);
       if (!pairs[index].path) continue;  // without residuals
       PairSums total;
-      for (const Chunk& chunk : chunks) {
-        total.H += chunk.pairs[index].H;
-        total.b += chunk.pairs[index].b;
-      }
+      for (const Chunk& chunk : chunks) chunk.addTo(index, total);
       addPair(total, pairs[index].J_host, h, t, out);
     }
   }

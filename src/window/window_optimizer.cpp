@@ -14,7 +14,7 @@ constexpr double kThresholdFactor = 1.5;    // of that quantile
 constexpr int kMaxBadRounds = 3;
 constexpr int kMaxOutOfBoundsRounds = 2;
 constexpr double kMaxDepthFactor = 3.0;  // by which one step may change an inverse depth
-constexpr double kSettledPx = 0.1;       // below which a point that moves so little from here on has settled
+constexpr double kSettledPx = 0.3;       // below which a point that moves so little from here on has settled
 
 double truncated(float energy, double limit) { return std::min(static_cast<double>(energy), limit); }
 
@@ -188,7 +188,7 @@ void WindowOptimizer::move(WindowState& state, const Step& step) {
     step_norm_ = std::max(step_norm_, delta.head<6>().norm());
   }
   state.relinearize();
-  if (settled_.any()) settled_.move(step.keyframes);
+  settled_.move(step.keyframes);
   for (std::size_t i = 0; i < moving_.size(); ++i) {
     double& d = state.points[static_cast<std::size_t>(moving_[i])].inverse_depth;
     d = std::clamp(d + step.depths(static_cast<Eigen::Index>(i)), d / kMaxDepthFactor, d * kMaxDepthFactor);
@@ -249,12 +249,12 @@ bool WindowOptimizer::iterate(WindowState& state, const ScalePrior& scale_prior)
   if (!penalty_ || summary_.iterations >= max_iterations_ || lambda_ > options_.max_lambda) return false;
   ++summary_.iterations;
   const Backup backup(state);
-  const Eigen::VectorXd moved = settled_.moved();
   const double other_cost = otherCost(state, scale_prior);
   Step step;
-  bool better = solve(state, scale_prior, step);
+  const bool solved = solve(state, scale_prior, step);
+  bool better = solved;
   double change = 0.0;
-  if (better) {
+  if (solved) {
     // A step that is damped tells nothing of those to come.
     if (!settled_.any() && lambda_ <= options_.initial_lambda) settle(state, step);
     const double settled_cost = settled_.costChange();
@@ -265,7 +265,7 @@ bool WindowOptimizer::iterate(WindowState& state, const ScalePrior& scale_prior)
   }
   if (!better) {
     backup.restore(state);
-    settled_.moveTo(moved);
+    if (solved) settled_.move(-step.keyframes);
     lambda_ = std::max(lambda_, options_.initial_lambda) * 10.0;
     return summary_.iterations < max_iterations_ && lambda_ <= options_.max_lambda;
   }

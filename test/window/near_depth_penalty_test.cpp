@@ -35,7 +35,8 @@ TEST(NearDepthPenalty, GradientAndHessianAgreeWithDifferencesOfTheCost) {
   const WindowState state = withInverseDepths({0.3, 0.5, 0.7, 2.0, 5.0});
   const NearDepthPenalty prior(state);
   LinearizedWindow system = nothing(5);
-  for (std::size_t i = 0; i < state.points.size(); ++i) prior.addTo(state.points[i], static_cast<Eigen::Index>(i), system);
+  for (std::size_t i = 0; i < state.points.size(); ++i)
+    prior.addTo(state.points[i], static_cast<Eigen::Index>(i), system);
   constexpr double kStep = 1e-4;
   for (std::size_t i = 0; i < state.points.size(); ++i) {
     WindowState more = state;

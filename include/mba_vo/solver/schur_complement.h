@@ -34,7 +34,6 @@ class SchurComplement {
 
  private:
   Eigen::VectorXd inverse_H_depth_;  // 0 for points without information
-  LinearizedWindow::RowMatrix scaled_;
 };
 
 }  // namespace mba_vo

@@ -11,7 +11,7 @@ namespace mba_vo {
 /// many points there are.
 class SettledPoints {
  public:
-  void clear();
+  void clear() { any_ = false; }
   bool any() const { return any_; }
 
   /// `system`: of all points, which is taken over; `settles`: by row; `others`: of those that do not settle. All at the
@@ -19,10 +19,7 @@ class SettledPoints {
   void settle(LinearizedWindow& system, const std::vector<bool>& settles, const LinearizedWindow& others);
 
   /// The keyframe states move by `step`.
-  void move(const Eigen::VectorXd& step) { moved_ += step; }
-  /// By how much the states have moved since the points settled.
-  const Eigen::VectorXd& moved() const { return moved_; }
-  void moveTo(const Eigen::VectorXd& moved) { moved_ = moved; }
+  void move(const Eigen::VectorXd& step);
 
   /// Change of the cost since the points settled, with the depths that suit the keyframe states best.
   double costChange() const;
@@ -37,7 +34,7 @@ class SettledPoints {
   SchurComplement schur_;
   ReducedSystem reduced_;
   double depth_gain_ = 0.0;  // of the cost, by the depths alone
-  Eigen::VectorXd moved_;
+  Eigen::VectorXd moved_;    // by how much the states have moved since the points settled
 };
 
 }  // namespace mba_vo

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "mba_vo/window/photometric_residual.h"
 #include "mba_vo/solver/schur_complement.h"
+#include "mba_vo/window/photometric_residual.h"
 #include "mba_vo/window/window_state.h"
 
 namespace mba_vo {
@@ -46,7 +46,7 @@ class WindowLinearizer {
   void linearize(WindowState& state, const std::vector<int>& points, LinearizedWindow& out) const;
 
  private:
-  struct Chunk;
+  class Chunk;
   void evaluateResidual(const PairGeometry& pair, const PointState& point, PatchResidual& residual,
                         PatchComparison& comparison) const;
   static void assemblePoint(const WindowState& state, const WindowEvaluation& evaluation, int row, Chunk& chunk,
