@@ -2,7 +2,7 @@
 cmake_minimum_required(VERSION 3.16)
 # Each module may include itself and what is listed here. The core, which is all but the last two, knows no ROS.
 set(geometry_may "")
-set(solver_may "")
+set(solver_may geometry image)
 set(image_may geometry)
 set(blur_may ${image_may} image)
 set(tracking_may ${blur_may} blur solver)

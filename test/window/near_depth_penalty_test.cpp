@@ -60,10 +60,7 @@ TEST(NearDepthPenalty, APointInFrontOfTheLensIsNotPlausible) {
 
 TEST(NearDepthPenalty, AWindowWithoutPointsHasNoCost) {
   const WindowState empty = withInverseDepths({});
-  LinearizedWindow system = nothing(0);
-  const NearDepthPenalty prior(empty);
-  prior.addTo(empty, system);
-  EXPECT_EQ(prior.cost(empty), 0.0);
+  EXPECT_EQ(NearDepthPenalty(empty).cost(empty), 0.0);
 }
 
 }  // namespace

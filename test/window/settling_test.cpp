@@ -63,9 +63,13 @@ TEST(Settling, WhatMovesIsNotedAndWhatDoesNotIsSettled) {
     const std::vector<bool> settled_for_more = moved.settled(0.6);
     for (std::size_t i = 0; i < settled.size(); ++i) {
       const double shift = largestShift(moved.before, moved.after, i);
-      if (settled[i]) EXPECT_LT(shift, 0.12) << "trial " << trial << ", point " << i;
+      if (settled[i]) {
+        EXPECT_LT(shift, 0.12) << "trial " << trial << ", point " << i;
+      }
       // The three ways to move may undo each other; they are told apart within reason nevertheless.
-      if (shift < 0.1) EXPECT_TRUE(settled_for_more[i]) << "trial " << trial << ", point " << i << ": " << shift;
+      if (shift < 0.1) {
+        EXPECT_TRUE(settled_for_more[i]) << "trial " << trial << ", point " << i << ": " << shift;
+      }
       told_apart += settled[i] ? 1 : 0;
     }
   }
