@@ -83,8 +83,7 @@ void FrameRefinement::reset() {
   reference_.reset();
 }
 
-/// The frames up to that keyframe are to be tracked against it, or the one before, whichever shows more of what they
-/// see.
+/// Frames up to that keyframe are to be tracked against it, or the one before, whichever shows more of what they see.
 void FrameRefinement::prepareUntil(const LocalMap& map, KeyframeId last) {
   std::vector<ReferenceConstPtr> references = {map.makeReference(last)};
   if (const auto before = map.keyframeBefore(last)) references.push_back(map.makeReference(*before));

@@ -65,13 +65,12 @@ void LocalMap::beginOptimization(KeyframeReport& report) {
   const StageClock::time_point stage = StageClock::now();
   window_.beginOptimization(config_.window.max_iterations);
   report.optimisation_ms += millisecondsSince(stage);
-  refinement_ = {Refinement::Piece::kIterate, 0, window_.evaluatedResiduals()};
+  refinement_ = {Refinement::Piece::kIterate, 0};
 }
 
 void LocalMap::iterate(KeyframeReport& report) {
   StageClock::time_point stage = StageClock::now();
   const bool more = window_.iterate();
-  refinement_.evaluated_residuals = window_.evaluatedResiduals();
   if (!more) endOptimization(report);
   storePoses();
   report.optimisation_ms += millisecondsSince(stage);

@@ -14,7 +14,8 @@ constexpr double kThresholdFactor = 1.5;    // of that quantile
 constexpr int kMaxBadRounds = 3;
 constexpr int kMaxOutOfBoundsRounds = 2;
 constexpr double kMaxDepthFactor = 3.0;  // by which one step may change an inverse depth
-constexpr double kSettledPx = 0.3;       // below which a point that moves so little from here on has settled
+constexpr double kSettledPx = 0.3;       // docs/decisions/2026-11-28-settled-points.md
+constexpr int kLeastKeyframes = 5;       // of a window whose points may settle: a young one may be far from its minimum
 
 double truncated(float energy, double limit) { return std::min(static_cast<double>(energy), limit); }
 
@@ -256,7 +257,8 @@ bool WindowOptimizer::iterate(WindowState& state, const ScalePrior& scale_prior)
   double change = 0.0;
   if (solved) {
     // A step that is damped tells nothing of those to come.
-    if (!settled_.any() && lambda_ <= options_.initial_lambda) settle(state, step);
+    const bool may_settle = state.size() >= kLeastKeyframes && lambda_ <= options_.initial_lambda;
+    if (may_settle && !settled_.any()) settle(state, step);
     const double settled_cost = settled_.costChange();
     move(state, step);
     evaluate(state);

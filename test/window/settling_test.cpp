@@ -1,9 +1,12 @@
 #include "mba_vo/window/settling.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "support/random.h"
 #include "window/bilinear_window.h"
+#include "window/planar_views.h"
 
 namespace mba_vo::test::settling_test {
 namespace {
@@ -85,6 +88,26 @@ TEST(Settling, MovingTogetherIsNotMoving) {
     moved.keyframe_steps.segment<6>(kKeyframeDim * i) = T.inverse().adjoint() * step;
   }
   for (const bool settled : moved.settled(1e-3)) EXPECT_TRUE(settled);
+}
+
+double largestPositionError(const Window& window) {
+  std::vector<SE3> estimate;
+  for (const KeyframeId id : window.keyframes()) estimate.push_back(window.T_map_keyframe(id));
+  const std::vector<double> errors = alignedPositionErrors(views().truth, estimate);
+  return *std::max_element(errors.begin(), errors.end());
+}
+
+TEST(Settling, NearTheMinimumFewResidualsAreEvaluatedAndItIsFoundAsWell) {
+  Window window(WindowConfig(), true);
+  Disturbance near;
+  near.pose_noise = 0.2;
+  near.depth_noise = 0.005;
+  fill(window, keyframesOf(views().sharp, views().sharp, false), near);
+  const double before = largestPositionError(window);
+  window.optimize(6);
+  EXPECT_LT(window.evaluatedResiduals(), window.residualCount() / 4);
+  EXPECT_LT(largestPositionError(window), 0.5 * before);
+  EXPECT_LT(largestPositionError(window), 1e-3);  // as from far away (window_test)
 }
 
 }  // namespace

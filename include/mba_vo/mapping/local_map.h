@@ -67,8 +67,7 @@ class LocalMap {
   /// Refines the depths of all immature points with a tracked frame.
   void searchDepths(const TrackedFrame& tracked);
 
-  /// Makes the tracked frame, which moved by `motion`, a keyframe and activates points. It can serve as a reference
-  /// from then on.
+  /// Makes the tracked frame, which moved by `motion`, a keyframe and activates points: a reference from then on.
   KeyframeReport insertKeyframe(const TrackedFrame& tracked, const BodyMotion& motion);
   /// Does a piece of what makes it a better one: an iteration of the window's optimisation, at last marginalisation and
   /// the selection of new points. False: that was the last, the report is complete. Frames may be used between.
@@ -78,7 +77,9 @@ class LocalMap {
   /// How the newest keyframe moved is known better now. Adopted before or after an optimisation, never within it.
   void reviseNewestMotion(const BodyMotion& motion) { revised_motion_ = motion; }
   /// Evaluated by the last piece of the refinement.
-  int evaluatedResiduals() const { return refinement_.evaluated_residuals; }
+  int evaluatedResiduals() const {
+    return refinement_.next == Refinement::Piece::kBegin ? 0 : window_.evaluatedResiduals();
+  }
 
   /// Whether with the sharp image in place of its own the keyframe would explain the others of the window no worse.
   bool explainsAsWell(KeyframeId keyframe, const std::shared_ptr<const ImagePyramid>& sharp) const;
@@ -118,8 +119,7 @@ class LocalMap {
   struct Refinement {
     enum class Piece { kSelect, kBegin, kIterate, kConclude };
     Piece next = Piece::kSelect;
-    int calibration_steps = 0;    // taken
-    int evaluated_residuals = 0;  // by the last piece
+    int calibration_steps = 0;  // taken
   };
 
   void addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe);
