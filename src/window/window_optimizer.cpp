@@ -256,10 +256,10 @@ bool WindowOptimizer::iterate(WindowState& state, const ScalePrior& scale_prior)
   bool better = solved;
   double change = 0.0;
   if (solved) {
+    const double settled_cost = settled_.costChange();  // 0 with the depths that points have when they settle
     // A step that is damped tells nothing of those to come.
     const bool may_settle = state.size() >= kLeastKeyframes && lambda_ <= options_.initial_lambda;
     if (may_settle && !settled_.any()) settle(state, step);
-    const double settled_cost = settled_.costChange();
     move(state, step);
     evaluate(state);
     change = costChange(state) + settled_.costChange() - settled_cost + otherCost(state, scale_prior) - other_cost;
@@ -286,7 +286,7 @@ bool WindowOptimizer::iterate(WindowState& state, const ScalePrior& scale_prior)
 WindowSummary WindowOptimizer::finish(WindowState& state, const ScalePrior& scale_prior) {
   if (penalty_) {
     placeSettled(state);
-    summary_.final_cost = photometricCost(state) + otherCost(state, scale_prior);
+    summary_.final_cost = photometricCost(state) + settled_.costChange() + otherCost(state, scale_prior);
     summarize(state);
   }
   penalty_.reset();

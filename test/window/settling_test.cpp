@@ -1,6 +1,7 @@
 #include "mba_vo/window/settling.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -108,6 +109,47 @@ TEST(Settling, NearTheMinimumFewResidualsAreEvaluatedAndItIsFoundAsWell) {
   EXPECT_LT(window.evaluatedResiduals(), window.residualCount() / 4);
   EXPECT_LT(largestPositionError(window), 0.5 * before);
   EXPECT_LT(largestPositionError(window), 1e-3);  // as from far away (window_test)
+}
+
+double rmsDepthError(const Window& window) {  // relative
+  const Views& v = views();
+  double sum = 0.0;
+  for (const WindowPoint& p : window.points()) {
+    const double truth = v.scene.inverseDepth(v.camera, v.truth[p.host], p.pixel);
+    sum += std::pow(p.inverse_depth / truth - 1.0, 2.0);
+  }
+  return std::sqrt(sum / window.pointCount());
+}
+
+TEST(Settling, DepthsOfPointsThatSettleAtOnceAreFoundAndWhatThatGainsCounts) {
+  Window window(WindowConfig(), true);
+  Disturbance depths;
+  depths.pose_noise = 0.0;
+  depths.depth_noise = 0.005;
+  fill(window, keyframesOf(views().sharp, views().sharp, false), depths);
+  const double before = rmsDepthError(window);
+  const WindowSummary summary = window.optimize(4);
+  EXPECT_LT(window.evaluatedResiduals(), window.residualCount() / 4);
+  EXPECT_LT(rmsDepthError(window), 0.8 * before);
+  EXPECT_LT(summary.final_cost, 0.7 * summary.initial_cost);
+  EXPECT_LT(summary.final_cost, 1.3 * window.optimize(1).initial_cost) << "with all evaluated anew";
+}
+
+TEST(Settling, AWindowAtItsMinimumStaysThere) {
+  WindowConfig config;
+  config.min_relative_decrease = 0.0;
+  Window window(config, true);
+  fill(window, keyframesOf(views().sharp, views().sharp, false), Disturbance());
+  window.optimize(30);
+  std::vector<SE3> before;
+  for (const KeyframeId id : window.keyframes()) before.push_back(window.T_map_keyframe(id));
+  const WindowSummary summary = window.optimize(20);
+  EXPECT_GT(summary.iterations, 1);
+  EXPECT_LT(window.evaluatedResiduals(), window.residualCount() / 4);
+  EXPECT_LE(summary.final_cost, summary.initial_cost);
+  for (const KeyframeId id : window.keyframes()) {
+    EXPECT_LT((before[id].inverse() * window.T_map_keyframe(id)).log().norm(), 8e-5) << "keyframe " << id;
+  }
 }
 
 }  // namespace
