@@ -2,13 +2,14 @@
 # The blur benchmark: renders a room around each recorded motion with exposures from 0 to 30 ms, global and rolling shutter,
 # and runs mba_vo_benchmark over them, with the blur model and without it (docs/benchmark.md); writes them for other systems.
 #
-#   scripts/blur_benchmark.sh [--motions DIR] [--output DIR] [--large] [--seed N] [--starts LIST] [--bin DIR] [--export]
-#                             [--render-only] [MOTION...]
+#   scripts/blur_benchmark.sh [--motions DIR] [--output DIR] [--large] [--takes LIST] [--seed N] [--starts LIST]
+#                             [--bin DIR] [--export] [--render-only] [MOTION...]
 #
 #   --motions DIR   folder with the recorded motions, t tx ty tz qx qy qz qw (../shared/motions)
 #   --output DIR    folder for sequences and results (output/blur_benchmark); sequences found there are used again
 #   --large         752x480, 10 s, exposures 0 5 10 20 30 ms with both shutters; the small edition has 376x240, 5 s,
 #                   0 10 20 30 ms with a global and 0 20 ms with a rolling shutter
+#   --takes LIST    shutters and exposures [ms] in place of those of the edition ("global-0 rolling-20")
 #   --seed N        of the rooms (60)
 #   --starts LIST   images to leave out at the beginning ("0, 10, 20")
 #   --bin DIR       folder of the programs (devel/lib/mba_vo)
@@ -22,6 +23,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 motions=../shared/motions
 output=output/blur_benchmark
 large=false
+takes=()
 seed=60
 starts="0, 10, 20"
 bin=devel/lib/mba_vo
@@ -33,6 +35,7 @@ while [ $# -gt 0 ]; do
     --motions) motions=${2:?--motions needs a folder}; shift ;;
     --output) output=${2:?--output needs a folder}; shift ;;
     --large) large=true ;;
+    --takes) read -ra takes <<<"${2:?--takes needs a list like 'global-0 rolling-20'}"; shift ;;
     --seed) seed=${2:?--seed needs a number}; shift ;;
     --starts) starts=${2:?--starts needs a list of numbers}; shift ;;
     --bin) bin=${2:?--bin needs a folder}; shift ;;
@@ -51,12 +54,19 @@ fi
 if $large; then
   camera=(--width 752 --height 480 --fx 430 --duration 10)
   row_time=0.00005  # 480 rows in 24 ms [s]
-  takes=(global-0 global-5 global-10 global-20 global-30 rolling-0 rolling-5 rolling-10 rolling-20 rolling-30)
+  edition=(global-0 global-5 global-10 global-20 global-30 rolling-0 rolling-5 rolling-10 rolling-20 rolling-30)
 else
   camera=(--width 376 --height 240 --fx 215 --duration 5)
   row_time=0.0001
-  takes=(global-0 global-10 global-20 global-30 rolling-0 rolling-20)
+  edition=(global-0 global-10 global-20 global-30 rolling-0 rolling-20)
 fi
+if [ ${#takes[@]} -eq 0 ]; then takes=("${edition[@]}"); fi
+for take in "${takes[@]}"; do
+  if [[ ! $take =~ ^(global|rolling)-[0-9]+$ ]]; then
+    echo "blur_benchmark.sh: --takes has '$take'; a take is global or rolling, a dash and milliseconds: global-20" >&2
+    exit 2
+  fi
+done
 start=10  # where a motion is entered [s]: the first seconds are often still
 
 # render MOTION TAKE SCENE_SEED: TAKE is the shutter and the exposure [ms]

@@ -12,11 +12,10 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kImagesPerFrame = 3;         // tracked per added frame while catching up
-constexpr double kLongestGap = 0.5;        // [s] between frames that are used together
-constexpr int kAttemptEvery = 3;           // images: with a row time to be found, one takes longer than an image
-constexpr double kMinSpan = 0.3;           // [s] of frames before the first attempt
-constexpr double kMaxReferenceBlur = 8.0;  // [px] for which a sharper frame is waited for ...
+constexpr int kImagesPerFrame = 3;   // tracked per added frame while catching up
+constexpr double kLongestGap = 0.5;  // [s] between frames that are used together
+constexpr double kMaxReferenceBlur =
+    16.0;  // [px] for which a sharper frame is waited for (scripts/starts.py: bad from 22)
 constexpr double kMaxReferenceWait = 1.0;  // ... this long [s]
 constexpr int kMostDepthDoubts = 2;        // from which on depth images are not used
 
@@ -104,7 +103,6 @@ class Initializer::Impl {
     }
     buffer_.updateReference();
     buffer_.updateTracks(kImagesPerFrame);
-    ++since_attempt_;
     return readyForAttempt() ? attempt() : nullptr;
   }
 
@@ -127,7 +125,6 @@ class Initializer::Impl {
   void reset() {
     buffer_.clear();
     metric_.reset();
-    since_attempt_ = 0;
     reason_ = "collecting frames";
   }
 
@@ -141,7 +138,7 @@ class Initializer::Impl {
   }
 
   bool readyForAttempt() {
-    if (!buffer_.hasReference() || buffer_.span() < kMinSpan) {
+    if (!buffer_.hasReference()) {
       reason_ = "collecting frames";
       return false;
     }
@@ -154,11 +151,10 @@ class Initializer::Impl {
       reason_ = "waiting for a sharper frame";
       return false;
     }
-    return since_attempt_ >= kAttemptEvery;
+    return true;
   }
 
   std::unique_ptr<InitialMap> attempt() {
-    since_attempt_ = 0;
     std::vector<std::size_t> view_of;
     const StructureProblem problem = makeProblem(buffer_, view_of);
     const StructureEstimate estimate = estimateStructure(problem, structure_);
@@ -172,7 +168,6 @@ class Initializer::Impl {
   MetricStart metric_;
   int depth_doubts_ = 0;
   std::string reason_ = "collecting frames";
-  int since_attempt_ = 0;  // images
   int residuals_ = 0;
 };
 

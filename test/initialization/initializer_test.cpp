@@ -199,6 +199,16 @@ TEST(Initializer, FindsARoomAndTheRowTimeOfARollingShutter) {
   expectTruth(Scene(), 0.4, *map, 0.02, kRowTime);
 }
 
+TEST(Initializer, AMapBeginsAsSoonAsItCan) {
+  // 2 % of parallax come with the third image; five views are needed, and the newest image is none yet.
+  for (const int blur_samples : {1, 8}) {
+    const Outcome result = run(Scene(), 1.0, 40, blur_samples);
+    ASSERT_TRUE(result.map) << result.reason;
+    EXPECT_LE(result.frames, 8) << blur_samples << " samples of blur";
+    expectTruth(Scene(), 1.0, *result.map, 0.03);
+  }
+}
+
 TEST(Initializer, MedianDepthIsOneAndPosesAreInOrder) {
   const Outcome result = run(Scene(), 0.4, 40);
   ASSERT_TRUE(result.map) << result.reason;
