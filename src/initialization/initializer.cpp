@@ -12,12 +12,13 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kImagesPerFrame = 3;   // tracked per added frame while catching up
-constexpr double kLongestGap = 0.5;  // [s] between frames that are used together
-constexpr double kMaxReferenceBlur =
-    16.0;  // [px] for which a sharper frame is waited for (scripts/starts.py: bad from 22)
-constexpr double kMaxReferenceWait = 1.0;  // ... this long [s]
-constexpr int kMostDepthDoubts = 2;        // from which on depth images are not used
+constexpr int kImagesPerFrame = 3;          // tracked per added frame while catching up
+constexpr double kLongestGap = 0.5;         // [s] between frames that are used together
+constexpr double kRowTimeSpan = 0.3;        // [s] of images before a row time is looked for, ...
+constexpr int kRowTimeEvery = 3;            // ... with every third: docs/decisions/2026-11-29-first-attempt.md
+constexpr double kMaxReferenceBlur = 16.0;  // [px] for which a sharper frame is waited for (likewise) ...
+constexpr double kMaxReferenceWait = 1.0;   // ... this long [s]
+constexpr int kMostDepthDoubts = 2;         // from which on depth images are not used
 
 bool sameCamera(const PinholeCamera& a, const PinholeCamera& b) {
   return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
@@ -103,6 +104,7 @@ class Initializer::Impl {
     }
     buffer_.updateReference();
     buffer_.updateTracks(kImagesPerFrame);
+    ++since_attempt_;
     return readyForAttempt() ? attempt() : nullptr;
   }
 
@@ -125,6 +127,7 @@ class Initializer::Impl {
   void reset() {
     buffer_.clear();
     metric_.reset();
+    since_attempt_ = 0;
     reason_ = "collecting frames";
   }
 
@@ -138,7 +141,7 @@ class Initializer::Impl {
   }
 
   bool readyForAttempt() {
-    if (!buffer_.hasReference()) {
+    if (!buffer_.hasReference() || (structure_.find_row_time && buffer_.span() < kRowTimeSpan)) {
       reason_ = "collecting frames";
       return false;
     }
@@ -151,10 +154,11 @@ class Initializer::Impl {
       reason_ = "waiting for a sharper frame";
       return false;
     }
-    return true;
+    return since_attempt_ >= (structure_.find_row_time ? kRowTimeEvery : 1);
   }
 
   std::unique_ptr<InitialMap> attempt() {
+    since_attempt_ = 0;
     std::vector<std::size_t> view_of;
     const StructureProblem problem = makeProblem(buffer_, view_of);
     const StructureEstimate estimate = estimateStructure(problem, structure_);
@@ -168,6 +172,7 @@ class Initializer::Impl {
   MetricStart metric_;
   int depth_doubts_ = 0;
   std::string reason_ = "collecting frames";
+  int since_attempt_ = 0;  // images
   int residuals_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "mba_vo/window/point_activation.h"
+#include "point_chunks.h"
 
 namespace mba_vo {
 namespace {
@@ -75,6 +76,15 @@ struct PairSystem {
     correction.H += residual.correction.H;
     correction.b += residual.correction.b;
   }
+  void operator+=(const PairSystem& other) {
+    for (std::size_t i = 0; i < H.size(); ++i) H[i] += other.H[i];
+    for (std::size_t i = 0; i < b.size(); ++i) {
+      H_mixed[i] += other.H_mixed[i];
+      b[i] += other.b[i];
+    }
+    correction.H += other.correction.H;
+    correction.b += other.correction.b;
+  }
 };
 
 /// J_host of makePairGeometry at the current state instead of the first estimates.
@@ -140,15 +150,16 @@ LinearizedWindow assemble(const WindowState& state, const WindowEvaluation& eval
   const std::vector<PairGeometry>& pairs = evaluation.pairs;
   LinearizedWindow out;
   out.setZero(layout.size(), static_cast<int>(evaluation.points.size()));
-  std::vector<PairSystem> sums(pairs.size());
+  const PointChunks points(evaluation.points.size());
+  std::vector<PairSumsOfChunk<PairSystem>> sums(points.count(), PairSumsOfChunk<PairSystem>(pairs.size()));
   std::vector<Matrix8> J_host(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (pairs[i].path) J_host[i] = currentHostJacobian(pairs[i]);
   }
-  PatchPath path;
-  for (std::size_t row = 0; row < evaluation.points.size(); ++row) {
+  points.forEachRow([&](std::size_t chunk, std::size_t row) {
     const PointState& point = state.points[static_cast<std::size_t>(evaluation.points[row])];
     std::size_t patch = evaluation.first[row];
+    PatchPath path;
     for (const PatchResidual& residual : point.residuals) {
       const PatchComparison& comparison = evaluation.patches[patch++];
       if (!(residual.trial_energy <= state.keyframe(residual.target).outlier_energy)) continue;
@@ -162,14 +173,17 @@ LinearizedWindow assemble(const WindowState& state, const WindowEvaluation& eval
         at = {pair.target_camera.rowDelay(pixel.y()) / half_readout,
               pair.host_camera.rowDelay(point.pixel.y()) / half_readout};
       }
-      sums[index].add(terms, at);
+      sums[chunk].at(index).add(terms, at);
       addDepth(terms, at, J_host[index], point.host, residual.target, layout, static_cast<Eigen::Index>(row), out);
     }
-  }
+  });
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const int host = static_cast<int>(i) / n;
     const int target = static_cast<int>(i) % n;
-    if (pairs[i].path) addPair(sums[i], J_host[i], host, target, layout, out);
+    if (!pairs[i].path) continue;
+    PairSystem total;
+    for (const auto& chunk : sums) chunk.addTo(i, total);
+    addPair(total, J_host[i], host, target, layout, out);
   }
   return out;
 }

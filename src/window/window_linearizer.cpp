@@ -5,30 +5,11 @@
 #include <numeric>
 #include <utility>
 
-#include "mba_vo/image/parallel_for.h"
 #include "mba_vo/solver/residual_spread.h"
+#include "point_chunks.h"
 
 namespace mba_vo {
 namespace {
-
-constexpr int kMaxChunks = 16;
-constexpr int kMinChunkPoints = 64;
-
-std::size_t rowsPerChunk(std::size_t rows) {
-  return std::max<std::size_t>(kMinChunkPoints, (rows + kMaxChunks - 1) / kMaxChunks);
-}
-
-std::size_t chunksOf(std::size_t rows) { return (rows + rowsPerChunk(rows) - 1) / rowsPerChunk(rows); }
-
-/// Calls body(chunk, row) for all rows, those of different chunks on different threads.
-template <typename Body>
-void forEachRow(std::size_t rows, const Body& body) {
-  const std::size_t chunk_rows = rowsPerChunk(rows);
-  parallelFor(chunksOf(rows), [&](std::size_t chunk) {
-    const std::size_t end = std::min((chunk + 1) * chunk_rows, rows);
-    for (std::size_t row = chunk * chunk_rows; row < end; ++row) body(chunk, row);
-  });
-}
 
 const PairGeometry& pairOf(const std::vector<PairGeometry>& pairs, const WindowState& state, const PointState& point,
                            const PatchResidual& residual) {
@@ -59,33 +40,20 @@ void WindowEvaluation::keepOnly(const std::vector<int>& some) {
 }
 
 /// Sums of the residuals of one host in one target, in the target's states.
-struct PairSums {
+struct WindowLinearizer::PairSums {
   Matrix8 H = Matrix8::Zero();
   Vector8 b = Vector8::Zero();
+
+  void operator+=(const PairSums& other) {
+    H += other.H;
+    b += other.b;
+  }
+  void addTo(LinearizedWindow& out, const Matrix8& J_host, int host, int target) const;
 };
 
-/// Of the pairs that its points have residuals in: few, for points come by host.
-class WindowLinearizer::Chunk {
+class WindowLinearizer::Chunk : public PairSumsOfChunk<PairSums> {
  public:
-  explicit Chunk(std::size_t pairs = 0) : slot_(pairs, kNone) {}
-  PairSums& at(std::size_t pair) {
-    if (slot_[pair] == kNone) {
-      slot_[pair] = static_cast<int>(sums_.size());
-      sums_.emplace_back();
-    }
-    return sums_[static_cast<std::size_t>(slot_[pair])];
-  }
-  void addTo(std::size_t pair, PairSums& total) const {
-    if (slot_[pair] == kNone) return;
-    const PairSums& sums = sums_[static_cast<std::size_t>(slot_[pair])];
-    total.H += sums.H;
-    total.b += sums.b;
-  }
-
- private:
-  static constexpr int kNone = -1;
-  std::vector<int> slot_;  // by host * keyframes + target
-  std::vector<PairSums> sums_;
+  using PairSumsOfChunk::PairSumsOfChunk;
 };
 
 void WindowLinearizer::evaluateResidual(const PairGeometry& pair, const PointState& point, PatchResidual& residual,
@@ -120,7 +88,7 @@ void WindowLinearizer::evaluate(WindowState& state, const std::vector<int>& poin
     residuals += state.points[static_cast<std::size_t>(i)].residuals.size();
   }
   out.patches.resize(residuals);
-  forEachRow(points.size(), [&](std::size_t /*chunk*/, std::size_t row) {
+  PointChunks(points.size()).forEachRow([&](std::size_t /*chunk*/, std::size_t row) {
     PointState& point = state.points[static_cast<std::size_t>(points[row])];
     std::size_t patch = out.first[row];
     for (PatchResidual& residual : point.residuals) {
@@ -210,7 +178,7 @@ void WindowLinearizer::assemblePoint(const WindowState& state, const WindowEvalu
 void WindowLinearizer::assembleDepths(const WindowState& state, const WindowEvaluation& evaluation,
                                       Eigen::VectorXd& H_depth) const {
   H_depth.setZero(static_cast<Eigen::Index>(evaluation.points.size()));
-  forEachRow(evaluation.points.size(), [&](std::size_t /*chunk*/, std::size_t row) {
+  PointChunks(evaluation.points.size()).forEachRow([&](std::size_t /*chunk*/, std::size_t row) {
     const PointState& point = state.points[static_cast<std::size_t>(evaluation.points[row])];
     std::size_t patch = evaluation.first[row];
     PatchPath path;
@@ -224,30 +192,27 @@ void WindowLinearizer::assembleDepths(const WindowState& state, const WindowEval
   });
 }
 
-namespace {
-
-/// Adds the sums of one pair to the blocks of its host and its target.
-void addPair(const PairSums& sums, const Matrix8& J_host, int host, int target, LinearizedWindow& out) {
+/// To the blocks of its host and its target.
+void WindowLinearizer::PairSums::addTo(LinearizedWindow& out, const Matrix8& J_host, int host, int target) const {
   const int h = kKeyframeDim * host;
   const int t = kKeyframeDim * target;
-  const Matrix8 H_host_target = J_host.transpose() * sums.H;
-  out.H.block<kKeyframeDim, kKeyframeDim>(t, t) += sums.H;
+  const Matrix8 H_host_target = J_host.transpose() * H;
+  out.H.block<kKeyframeDim, kKeyframeDim>(t, t) += H;
   out.H.block<kKeyframeDim, kKeyframeDim>(h, h) += H_host_target * J_host;
   out.H.block<kKeyframeDim, kKeyframeDim>(h, t) += H_host_target;
   out.H.block<kKeyframeDim, kKeyframeDim>(t, h) += H_host_target.transpose();
-  out.b.segment<kKeyframeDim>(t) += sums.b;
-  out.b.segment<kKeyframeDim>(h) += J_host.transpose() * sums.b;
+  out.b.segment<kKeyframeDim>(t) += b;
+  out.b.segment<kKeyframeDim>(h) += J_host.transpose() * b;
 }
-
-}  // namespace
 
 void WindowLinearizer::assemble(const WindowState& state, const WindowEvaluation& evaluation,
                                 LinearizedWindow& out) const {
   const int n = state.size();
   const std::vector<PairGeometry>& pairs = evaluation.pairs;
   out.setZero(kKeyframeDim * n, static_cast<int>(evaluation.points.size()));
-  std::vector<Chunk> chunks(chunksOf(evaluation.points.size()), Chunk(pairs.size()));
-  forEachRow(evaluation.points.size(), [&](std::size_t chunk, std::size_t row) {
+  const PointChunks points(evaluation.points.size());
+  std::vector<Chunk> chunks(points.count(), Chunk(pairs.size()));
+  points.forEachRow([&](std::size_t chunk, std::size_t row) {
     assemblePoint(state, evaluation, static_cast<int>(row), chunks[chunk], out);
   });
 
@@ -257,7 +222,7 @@ void WindowLinearizer::assemble(const WindowState& state, const WindowEvaluation
       if (!pairs[index].path) continue;  // without residuals
       PairSums total;
       for (const Chunk& chunk : chunks) chunk.addTo(index, total);
-      addPair(total, pairs[index].J_host, h, t, out);
+      total.addTo(out, pairs[index].J_host, h, t);
     }
   }
 }

@@ -46,6 +46,7 @@ class WindowLinearizer {
   void linearize(WindowState& state, const std::vector<int>& points, LinearizedWindow& out) const;
 
  private:
+  struct PairSums;
   class Chunk;
   void evaluateResidual(const PairGeometry& pair, const PointState& point, PatchResidual& residual,
                         PatchComparison& comparison) const;
