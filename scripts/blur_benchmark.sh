@@ -72,10 +72,11 @@ start=10  # where a motion is entered [s]: the first seconds are often still
 # render MOTION TAKE SCENE_SEED: TAKE is the shutter and the exposure [ms]
 render() {
   local folder=$output/sequences/$1-$2 shutter=()
-  if [ -s "$folder/blur_px.txt" ]; then return 0; fi  # the last thing to be written
+  if [ -d "$folder" ]; then return 0; fi
   if [[ $2 = rolling-* ]]; then shutter=(--row-time "$row_time"); fi
   "$bin/mba_vo_simulate" --motion "$motions/$1.txt" --start "$start" --scene-seed "$3" "${camera[@]}" "${shutter[@]}" \
-    --exposure "$(awk -v ms="${2#*-}" 'BEGIN { print ms / 1000 }')" --depth --max-step 1 --no-cache --overwrite --output "$folder" >/dev/null
+    --exposure "$(awk -v ms="${2#*-}" 'BEGIN { print ms / 1000 }')" --depth --max-step 1 --no-cache --overwrite --output "$folder.part" >/dev/null
+  mv "$folder.part" "$folder"  # whole, or not there
 }
 
 # export_folders MOTION-TAKE: in the forms of others, and the data sheet of its images

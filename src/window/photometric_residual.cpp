@@ -71,9 +71,20 @@ float weighPixels(const std::array<float, kResidualPixels>& r, const std::array<
   return ((energy[0] + energy[4]) + (energy[2] + energy[6])) + ((energy[1] + energy[5]) + (energy[3] + energy[7]));
 }
 
+/// Of the two images of a patch, to either side: further apart the one shows what the other cannot
+/// (docs/decisions/2026-11-29-zoom.md).
+constexpr float kMostZoom = 1.5F;
+
+/// Whether host and target show a patch nearly equally large.
+bool equallyLarge(const PatchPath& path) {
+  const float area = std::abs(path.A0.determinant());  // in the host, of a pixel of the target [px^2]
+  return area <= kMostZoom * kMostZoom && area * kMostZoom * kMostZoom >= 1.0F;
+}
+
 bool compare(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
              const ResidualOptions& options, GradientMoments wanted, PatchComparison& comparison,
              ReblurredPatch& reblurred) {
+  if (!equallyLarge(path)) return false;
   const int samples = pair.blurred ? sampleCount(path.length(), options.sample_spacing_px, options.max_samples) : 1;
   reblurPatch(*pair.host_image, path, pattern(), samples, reblurred, wanted);
   comparison.gain =

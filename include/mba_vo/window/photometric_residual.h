@@ -40,7 +40,7 @@ struct PatchComparison {
 /// Of the residual's pixels by the target's b.
 inline constexpr SparsePixels kJacobianOfOffset{-1.0F, -1.0F, -1.0F, -1.0F, -1.0F, -1.0F, -1.0F, -1.0F};
 
-/// False if the path leaves the host.
+/// False if the path leaves the host, or host and target show the patch in sizes that are too different.
 bool comparePatch(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
                   const ResidualOptions& options, PatchComparison& comparison);
 
