@@ -5,8 +5,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "mba_vo/solver/point_chunks.h"
 #include "mba_vo/window/point_activation.h"
-#include "point_chunks.h"
 
 namespace mba_vo {
 namespace {

@@ -5,8 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "mba_vo/solver/point_chunks.h"
 #include "mba_vo/solver/residual_spread.h"
-#include "point_chunks.h"
 
 namespace mba_vo {
 namespace {
