@@ -76,15 +76,18 @@ float weighPixels(const std::array<float, kResidualPixels>& r, const std::array<
 constexpr float kMostZoom = 1.5F;
 
 /// Whether host and target show a patch nearly equally large.
-bool equallyLarge(const PatchPath& path) {
-  const float area = std::abs(path.A0.determinant());  // in the host, of a pixel of the target [px^2]
+bool equallyLarge(const PairGeometry& pair, const PatchPath& path) {
+  const PinholeCamera& host = pair.host_camera;
+  const PinholeCamera& target = pair.target_camera;
+  const auto pixels = static_cast<float>(target.fx * target.fy / (host.fx * host.fy));  // one image may be binned
+  const float area = pixels * std::abs(path.A0.determinant());  // in the host, of the same in the target
   return area <= kMostZoom * kMostZoom && area * kMostZoom * kMostZoom >= 1.0F;
 }
 
 bool compare(const PairGeometry& pair, const PatchPath& path, const PatchResidual& residual,
              const ResidualOptions& options, GradientMoments wanted, PatchComparison& comparison,
              ReblurredPatch& reblurred) {
-  if (!equallyLarge(path)) return false;
+  if (!equallyLarge(pair, path)) return false;
   const int samples = pair.blurred ? sampleCount(path.length(), options.sample_spacing_px, options.max_samples) : 1;
   reblurPatch(*pair.host_image, path, pattern(), samples, reblurred, wanted);
   comparison.gain =
