@@ -61,7 +61,7 @@ struct KeyframeState {
 /// Throws std::invalid_argument if the keyframe lacks an image that is needed.
 void checkImages(const WindowKeyframe& keyframe, bool reblur_targets);
 
-/// Energy of a residual whose patch left one of the images.
+/// Energy of a residual whose patch left one of the images, or that they show in sizes too different.
 inline constexpr float kNoEnergy = std::numeric_limits<float>::quiet_NaN();
 
 /// One point seen in one target keyframe: eight integer pixels of the target image around the point's projection.
