@@ -11,7 +11,7 @@ CONFIG = FOLDER.parents[1] / "config"
 sys.dont_write_bytecode = True
 sys.path[:0] = [str(TOOLS), str(FOLDER)]
 from fakes import InFolder  # noqa: E402
-from mba_vo_benchmarking import experiment, figures, page_tables, pieces, published, tables, worst  # noqa: E402
+from mba_vo_benchmarking import experiment, figures, page_tables, pieces, plots, published, tables, worst  # noqa: E402
 from mba_vo_benchmarking.errors import BenchmarkError  # noqa: E402
 
 
@@ -102,6 +102,12 @@ class Figures(InFolder):
     def test_quartiles_by_blur(self):
         curve = pieces.curve([(5.0, ate) for ate in (1.0, 2.0, 3.0, 4.0, 5.0)] + [(55.0, 1.0), (55.0, math.inf), (70.0, 1.0)])
         self.assertEqual(curve, [(5.0, [2.0, 3.0, 4.0], 5), (55.0, [math.inf, math.inf, math.inf], 2)])
+
+    def test_the_picture_shows_where_runs_failed(self):
+        good, bad = [1.0, 2.0, 3.0], [math.inf] * 3
+        picture = plots.ate_against_blur({"a": [(5.0, good, 3), (15.0, bad, 3), (25.0, good, 3)], "b": [(5.0, good, 3)]})
+        self.assertIn("a: failed", picture)
+        self.assertNotIn("b: failed", picture)
 
     def test_tables_hold_what_would_end_a_cell(self):
         table = tables.Table("A", "", ["x"], [["a|b <c>"]])

@@ -15,14 +15,19 @@ def ate_against_blur(curves):
     matplotlib.rcParams["svg.hashsalt"] = "mba_vo"
     figure, axes = pyplot.subplots(figsize=(7.0, 4.0))
     for index, (variant, curve) in enumerate(curves.items()):
-        finite = [(blur, quartiles) for blur, quartiles, _ in curve if math.isfinite(quartiles[1])]
-        if not finite:
+        medians = [quartiles[1] for _, quartiles, _ in curve if math.isfinite(quartiles[1])]
+        if not medians:
             continue
-        blur, colour = [b for b, _ in finite], COLOURS[index % len(COLOURS)]
-        top = 10.0 * max(q[1] for _, q in finite)  # where the upper quartile failed
-        axes.plot(blur, [q[1] for _, q in finite], "o-", color=colour, label=variant)
-        axes.fill_between(blur, [q[0] for _, q in finite], [min(q[2], top) for _, q in finite], color=colour, alpha=0.2,
-                          linewidth=0)
+        colour = COLOURS[index % len(COLOURS)]
+        top = 10.0 * max(medians)  # where the upper quartile failed
+        # Where most pieces failed the line has a gap, and a cross above it.
+        failed = [blur for blur, quartiles, _ in curve if not math.isfinite(quartiles[1])]
+        blur = [blur for blur, _, _ in curve]
+        low, median, high = zip(*[[math.nan] * 3 if b in failed else q for b, q, _ in curve])
+        axes.plot(blur, median, "o-", color=colour, label=variant)
+        axes.fill_between(blur, low, [min(h, top) for h in high], color=colour, alpha=0.2, linewidth=0)
+        axes.plot(failed, [0.97] * len(failed), "x", color=colour, transform=axes.get_xaxis_transform(),
+                  label=variant + ": failed" if failed else None)
     axes.set_yscale("log")
     axes.set_xlim(0.0, 60.0)
     axes.set_xlabel("blur that 90 % of the images stay below [px]")
