@@ -36,26 +36,30 @@ std::vector<PosePair> alignedPairs(const MatchedPoses& matched, const Similarity
   return pairs;
 }
 
-/// Drops among the instants `times`, sorted; `has_pose` tells which of them have an estimate.
-FrameDrops countDrops(const std::vector<bool>& has_pose) {
+double firstTime(const std::vector<PoseRecord>& poses) {
+  const auto earlier = [](const PoseRecord& a, const PoseRecord& b) { return a.time < b.time; };
+  return std::min_element(poses.begin(), poses.end(), earlier)->time;
+}
+
+/// Drops among the instants, of which `pairs` have a pose; `initialized`: when the first one was known, in any map [s].
+FrameDrops countDrops(const std::vector<PoseRecord>& instants, const std::vector<Association>& pairs,
+                      double initialized) {
+  std::vector<bool> has_pose(instants.size(), false);
+  for (const Association& pair : pairs) has_pose[pair.groundtruth] = true;
   FrameDrops drops;
-  const auto first = std::find(has_pose.begin(), has_pose.end(), true);
-  drops.frames = has_pose.size();
-  drops.dropped = static_cast<std::size_t>(std::count(has_pose.begin(), has_pose.end(), false));
-  drops.frames_after_initialization = static_cast<std::size_t>(has_pose.end() - first);
-  drops.dropped_after_initialization = static_cast<std::size_t>(std::count(first, has_pose.end(), false));
+  drops.frames = instants.size();
+  for (std::size_t i = 0; i < instants.size(); ++i) {
+    const bool after = instants[i].time >= initialized;
+    drops.dropped += has_pose[i] ? 0 : 1;
+    drops.frames_after_initialization += after ? 1 : 0;
+    drops.dropped_after_initialization += after && !has_pose[i] ? 1 : 0;
+  }
   return drops;
 }
 
-FrameDrops dropsAmongGroundtruth(const MatchedPoses& matched) {
-  std::vector<bool> has_pose(matched.groundtruth.size(), false);
-  for (const Association& pair : matched.pairs) {
-    has_pose[pair.groundtruth] = true;
-  }
-  return countDrops(has_pose);
-}
-
-FrameDrops dropsAmongFrames(const std::vector<LoggedFrame>& frames, const std::vector<PoseRecord>& estimate) {
+/// `evaluated`: the poses of one map in `estimate`.
+FrameDrops dropsAmongFrames(const std::vector<LoggedFrame>& frames, const std::vector<PoseRecord>& evaluated,
+                            const std::vector<PoseRecord>& estimate) {
   // The trajectory of a run carries the very stamps of its frame log, up to the decimals written.
   constexpr double kStampTolerance = 1e-5;  // [s]
   std::vector<PoseRecord> instants;
@@ -66,11 +70,8 @@ FrameDrops dropsAmongFrames(const std::vector<LoggedFrame>& frames, const std::v
   }
   std::stable_sort(instants.begin(), instants.end(),
                    [](const PoseRecord& a, const PoseRecord& b) { return a.time < b.time; });
-  std::vector<bool> has_pose(instants.size(), false);
-  for (const Association& pair : associateByTime(instants, estimate, kStampTolerance)) {
-    has_pose[pair.groundtruth] = true;
-  }
-  return countDrops(has_pose);
+  return countDrops(instants, associateByTime(instants, evaluated, kStampTolerance),
+                    firstTime(estimate) - kStampTolerance);
 }
 
 /// Start and end poses as poses of their own.
@@ -147,7 +148,9 @@ EvaluationReport evaluateTrajectory(const std::vector<PoseRecord>& groundtruth, 
       relativeErrors(report.pairs, options.relative_interval, kIntervalTolerance * options.relative_interval);
   report.relative_translation = summarize(relative.translation);
   report.relative_rotation = summarize(relative.rotation);
-  report.drops = frame_log.empty() ? dropsAmongGroundtruth(matched) : dropsAmongFrames(frame_log, evaluated);
+  report.drops = frame_log.empty()
+                     ? countDrops(groundtruth, matched.pairs, firstTime(estimate) - options.max_time_difference)
+                     : dropsAmongFrames(frame_log, evaluated, estimate);
   for (const LoggedFrame& frame : frame_log) {
     ++report.frames_by_status[frame.status];
   }

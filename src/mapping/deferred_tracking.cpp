@@ -64,8 +64,7 @@ void DeferredTracking::finish(const LocalMap& map, TrajectoryStore& store) {
 }
 
 void DeferredTracking::trackOutward(TrajectoryStore& store) {
-  const TrackedFrame tracked = outward_.front().next();
-  if (tracked.tracked()) store.addFrame(tracked);
+  if (const std::optional<TrackedFrame> tracked = outward_.front().next()) store.addFrame(*tracked);
   if (outward_.front().done()) outward_.pop_front();
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <optional>
 #include <utility>
 
 #include "mba_vo/tracking/frame_measures.h"
@@ -14,10 +13,8 @@ namespace {
 constexpr double kLeastVisible = 0.35;    // share of a keyframe's points; with fewer, poses drift
 constexpr double kMostErrorRatio = 1.25;  // by which more error may be expected of a pose by a nearer keyframe
 
-void degrade(TrackedFrame& tracked, const char* reason) {
-  if (tracked.status != TrackingStatus::kTracking) return;
-  tracked.status = TrackingStatus::kDegraded;
-  tracked.reason = reason;
+bool isSeenWell(const TrackedFrame& tracked) {
+  return tracked.status == TrackingStatus::kTracking && tracked.measures.visible_fraction >= kLeastVisible;
 }
 
 }  // namespace
@@ -111,20 +108,16 @@ TrackedFrame OutwardTracking::track(const FrameConstPtr& frame) {
   return again;
 }
 
-TrackedFrame OutwardTracking::next() {
+std::optional<TrackedFrame> OutwardTracking::next() {
   const FrameConstPtr frame = std::move(frames_.front());
   frames_.pop_front();
   TrackedFrame tracked = track(frame);
-  // What follows has nothing better to go by than a pose that is doubtful.
-  if (seen_badly_) degrade(tracked, "tracked from a frame that was seen badly");
-  if (tracked.measures.visible_fraction < kLeastVisible) degrade(tracked, "sees little of the map's first keyframes");
-  seen_badly_ = tracked.status == TrackingStatus::kDegraded;
-  if (tracked.tracked()) {
-    motion_.update(tracked);
-    brightness_ = tracked.brightness;
-  } else {
+  if (!isSeenWell(tracked)) {
     frames_.clear();
+    return std::nullopt;
   }
+  motion_.update(tracked);
+  brightness_ = tracked.brightness;
   return tracked;
 }
 

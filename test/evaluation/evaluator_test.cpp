@@ -215,6 +215,22 @@ TEST(Evaluator, OnlyTheLargestMapCounts) {
   EXPECT_LT(report.absolute.max, 1e-9);
 }
 
+TEST(Evaluator, WhatComesAfterAnEarlierMapIsDropped) {
+  const auto truth = curvedTrajectory(50);
+  std::vector<PoseRecord> estimate(truth.begin() + 5, truth.begin() + 10);
+  estimate.insert(estimate.end(), truth.begin() + 20, truth.end());
+  for (std::size_t i = 5; i < estimate.size(); ++i) estimate[i].map = 2;
+  std::vector<LoggedFrame> frames;
+  for (const PoseRecord& pose : truth) frames.push_back({pose.time, "TRACKING"});
+  for (const auto& log : {std::vector<LoggedFrame>(), frames}) {
+    const EvaluationReport report = evaluateTrajectory(truth, estimate, log, {});
+    EXPECT_EQ(report.map, 2);
+    EXPECT_EQ(report.drops.dropped, 20U);
+    EXPECT_EQ(report.drops.frames_after_initialization, 45U);
+    EXPECT_EQ(report.drops.dropped_after_initialization, 15U);
+  }
+}
+
 TEST(Evaluator, RefusesFilesThatDoNotOverlap) {
   const auto truth = curvedTrajectory(10);
   auto estimate = truth;

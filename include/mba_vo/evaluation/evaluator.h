@@ -24,7 +24,7 @@ struct EvaluationOptions {
 struct FrameDrops {
   std::size_t frames = 0;
   std::size_t dropped = 0;
-  std::size_t frames_after_initialization = 0;  // from the first frame with a pose on
+  std::size_t frames_after_initialization = 0;  // from the first frame with a pose in any map on
   std::size_t dropped_after_initialization = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "mba_vo/initialization/initializer.h"
@@ -23,8 +24,8 @@ TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameCons
 
 /// Tracks frames one after the other away from a map's first keyframe in time, backwards or forwards, against that of
 /// the map's first keyframes by which a pose is known best: on a fast turn the first one is soon out of sight. Ends
-/// with the first frame that is lost: beyond it there is nothing to predict from, and what seems to fit is seldom
-/// right. From the first one that is DEGRADED on, all are.
+/// with the first frame that is seen badly, or not at all: beyond it there is nothing to predict from, poses slide, and
+/// what seems to fit is seldom right (docs/decisions/2026-11-29-before-the-map.md).
 class OutwardTracking {
  public:
   /// `start`: motion at the initial map's reference frame. `frames`: in the order in which they are to be tracked,
@@ -36,8 +37,9 @@ class OutwardTracking {
   /// Snapshots of the same moment about the first keyframe and those after it that are in the window: there are more of
   /// them by now, and their points have become better.
   void update(const std::vector<ReferenceConstPtr>& keyframes);
-  /// Tracks the next frame. The initial map's own pose of the frame, if there is one, is the guess.
-  TrackedFrame next();
+  /// Tracks the next frame; nullopt: it ends here. The initial map's own pose of the frame, if there is one, is the
+  /// guess.
+  std::optional<TrackedFrame> next();
 
  private:
   /// In the axes of that keyframe.
@@ -56,7 +58,6 @@ class OutwardTracking {
   KeyframeId keyframe_;                                // of the last frame
   MotionState motion_;                                 // there, relative to that keyframe
   AffineBrightness brightness_;
-  bool seen_badly_ = false;  // the last frame was DEGRADED
 };
 
 }  // namespace mba_vo
