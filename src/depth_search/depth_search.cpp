@@ -16,6 +16,7 @@ constexpr double kBorder = 6.0;     // of the frame, for the patch and the refin
 constexpr float kMaxOffset = 4.5F;  // of a patch pixel; larger means that the scale changed too much [px]
 constexpr float kNoEnergy = std::numeric_limits<float>::infinity();
 constexpr int kMaxSteps = 512;     // along the line
+constexpr double kNearest = 4.0;   // times the median inverse depth (docs/decisions/2026-11-29-near-things.md)
 constexpr double kStep = 1.0;      // along the line [px]
 constexpr int kNeighbourhood = 2;  // steps around the best one that do not count as second best
 constexpr int kRefinements = 4;
@@ -74,19 +75,21 @@ ImmaturePoint makeImmaturePoint(const ImagePyramid& host, const Eigen::Vector2i&
 }
 
 DepthSearcher::DepthSearcher(const ImagePyramid& host, const ImagePyramid& frame, const ExposureTrajectory& T_host,
-                             double gain, double offset, const DepthSearchConfig& config, const BodyMotion& host_motion,
-                             const VignetteRatio& vignette)
-    : DepthSearcher(host.level(0), frame.level(0), T_host, gain, offset, config, host_motion, vignette) {}
+                             double gain, double offset, const DepthSearchConfig& config,
+                             const SearchHost& known_of_host, const VignetteRatio& vignette)
+    : DepthSearcher(host.level(0), frame.level(0), withoutBlurOf(known_of_host, T_host), gain, offset, config,
+                    known_of_host, vignette) {}
 
 DepthSearcher::DepthSearcher(const ImageLevel& host, const ImageLevel& frame, const ExposureTrajectory& T_host,
-                             double gain, double offset, const DepthSearchConfig& config, const BodyMotion& host_motion,
-                             const VignetteRatio& vignette)
+                             double gain, double offset, const DepthSearchConfig& config,
+                             const SearchHost& known_of_host, const VignetteRatio& vignette)
     : host_(&host),
       frame_(&frame),
       config_(config),
+      nearest_(kNearest * known_of_host.inverse_depth),
       T_host_(T_host),
       T_frame_host_(T_host.T_reference_mid.inverse()),
-      T_frame_host_row_(T_frame_host_, host_motion),
+      T_frame_host_row_(T_frame_host_, known_of_host.motion),
       gain_(gain),
       offset_(offset),
       vignette_(vignette),
@@ -158,7 +161,7 @@ bool DepthSearcher::chooseRange(const EpipolarLine& line, ImmaturePoint& point, 
     point.state = State::kOutOfBounds;
     return false;
   }
-  const double longest = range.begin + config_.max_search_px;
+  const double longest = range.begin + longestSearch(line, range.begin);
   if (range.end > longest) {
     range.end = longest;
     range.bounded = false;
@@ -170,6 +173,12 @@ bool DepthSearcher::chooseRange(const EpipolarLine& line, ImmaturePoint& point, 
     return false;
   }
   return true;
+}
+
+/// [px]
+double DepthSearcher::longestSearch(const EpipolarLine& line, double begin) const {
+  const double to_nearest = line.distanceOf(nearest_) - begin;
+  return std::isfinite(to_nearest) ? std::max(config_.max_search_px, to_nearest) : config_.max_search_px;
 }
 
 /// The patch changes with the depth: its shape slowly, its blur by the part that translation has in it.
@@ -285,11 +294,6 @@ bool DepthSearcher::narrow(const EpipolarLine& line, const Range& range, const M
   point.inverse_depth_max = inverse_depth_max;
   point.last_search_length_px = high - low;
   return true;
-}
-
-void searchDepth(const ImagePyramid& host, const ImagePyramid& frame, const ExposureTrajectory& T_host, double gain,
-                 double offset, const DepthSearchConfig& config, ImmaturePoint& point) {
-  DepthSearcher(host, frame, T_host, gain, offset, config).search(point);
 }
 
 }  // namespace mba_vo

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
+#include "mba_vo/geometry/median.h"
 #include "mba_vo/image/parallel_for.h"
 #include "mba_vo/image/point_selector.h"
 #include "mba_vo/mapping/point_activator.h"
@@ -109,6 +111,9 @@ std::shared_ptr<const ImagePyramid> LocalMap::imageAsKnownNow(const HostKeyframe
 void LocalMap::searchDepths(const TrackedFrame& tracked) {
   const StageClock::time_point begin = StageClock::now();
   const SE3 T_map_frame = T_map_camera(tracked);
+  std::vector<double> inverse_depths;
+  for (const WindowPoint& point : window_.points()) inverse_depths.push_back(point.inverse_depth);
+  const double inverse_depth = median(std::move(inverse_depths));
   const FrameConstPtr frame = withCamera(tracked.frame, calibration_.correction());
   const auto hosts = std::min<std::ptrdiff_t>(kHostsSearched, std::distance(keyframes_.begin(), keyframes_.end()));
   for (auto keyframe = std::prev(keyframes_.end(), hosts); keyframe != keyframes_.end(); ++keyframe) {
@@ -123,8 +128,8 @@ void LocalMap::searchDepths(const TrackedFrame& tracked) {
     const ImagePyramid& image = frame->pyramid;
     const VignetteRatio vignette(host_image->level(0).camera, host.frame->correction.lacks(calibration_.correction()),
                                  image.level(0).camera, frame->correction.lacks(calibration_.correction()));
-    const DepthSearcher searcher(*host_image, image, in_host, gain, offset, config_.depth_search, window_.motion(id),
-                                 vignette);
+    const DepthSearcher searcher(*host_image, image, in_host, gain, offset, config_.depth_search,
+                                 {window_.motion(id), window_.imageMotion(id), inverse_depth}, vignette);
     const std::size_t chunks = (host.immature.size() + kPointsPerSearch - 1) / kPointsPerSearch;
     parallelFor(chunks, [&, &immature = host.immature](std::size_t chunk) {
       const std::size_t end = std::min((chunk + 1) * kPointsPerSearch, immature.size());

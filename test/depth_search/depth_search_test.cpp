@@ -17,6 +17,7 @@ namespace {
 using test::DepthStatistics;
 using test::evaluateDepths;
 using test::PlaneScene;
+using test::searchDepth;
 using test::WaveTexture;
 using State = ImmaturePoint::State;
 

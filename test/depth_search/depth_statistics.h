@@ -10,6 +10,11 @@
 
 namespace mba_vo::test {
 
+inline void searchDepth(const ImagePyramid& host, const ImagePyramid& frame, const ExposureTrajectory& T_host,
+                        double gain, double offset, const DepthSearchConfig& config, ImmaturePoint& point) {
+  DepthSearcher(host, frame, T_host, gain, offset, config).search(point);
+}
+
 /// How well found depths agree with the scene, seen from the origin.
 struct DepthStatistics {
   int good = 0;               // points with an upper bound of their inverse depth and quality

@@ -4,6 +4,7 @@
 
 #include "mba_vo/depth_search/epipolar_line.h"
 #include "mba_vo/depth_search/measured_depth.h"
+#include "mba_vo/depth_search/search_host.h"
 #include "mba_vo/depth_search/search_patch.h"
 #include "mba_vo/tracking/tracked_frame.h"
 
@@ -18,7 +19,8 @@ struct DepthSearchConfig {
 
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
-    v("max_search_px", c.max_search_px, 1.0, 500.0, "longest search along an epipolar line [px]");
+    v("max_search_px", c.max_search_px, 1.0, 500.0,
+      "longest search along an epipolar line, or as far as things four times nearer than the others would be [px]");
     v("huber_threshold", c.huber_threshold, 0.1, 255.0, "Huber threshold of the search residual [grey levels]");
     v("min_search_px", c.min_search_px, 0.1, 10.0, "shorter intervals are not searched, they would not improve [px]");
     v("min_blur_px", c.min_blur_px, 0.1, 100.0, "from this motion within the exposure on, patches are re-blurred [px]");
@@ -58,16 +60,16 @@ struct ImmaturePoint {
 ImmaturePoint makeImmaturePoint(const ImagePyramid& host, const Eigen::Vector2i& pixel,
                                 const DepthSearchConfig& config);
 
-/// Searches the depths of points of one host keyframe (sharp) in one frame, along the epipolar lines at mid-exposure,
-/// and narrows the points' intervals of inverse depth. Where the frame is blurred, the host's pattern is re-blurred
-/// along the frame's exposure trajectory before it is compared.
+/// Searches the depths of points of one host keyframe in one frame, along the epipolar lines at mid-exposure, and
+/// narrows the points' intervals of inverse depth. Where the frame is more blurred than the host, the host's pattern is
+/// re-blurred along the frame's exposure trajectory before it is compared.
 class DepthSearcher {
  public:
   /// `T_host`: the frame's exposure trajectory relative to the host. `gain`, `offset`: expected frame intensity = gain
   /// * host intensity + offset. The pyramids must outlive the searcher.
-  /// `host_motion`: for a rolling shutter. `vignette`: of the two images.
+  /// `vignette`: of the two images.
   DepthSearcher(const ImagePyramid& host, const ImagePyramid& frame, const ExposureTrajectory& T_host, double gain,
-                double offset, const DepthSearchConfig& config, const BodyMotion& host_motion = {},
+                double offset, const DepthSearchConfig& config, const SearchHost& known_of_host = {},
                 const VignetteRatio& vignette = {});
 
   /// Safe to call from several threads for different points.
@@ -93,7 +95,7 @@ class DepthSearcher {
   };
 
   DepthSearcher(const ImageLevel& host, const ImageLevel& frame, const ExposureTrajectory& T_host, double gain,
-                double offset, const DepthSearchConfig& config, const BodyMotion& host_motion,
+                double offset, const DepthSearchConfig& config, const SearchHost& known_of_host,
                 const VignetteRatio& vignette);
   /// With a rolling shutter, each point and each row of the frame has a relative pose of its own.
   void searchRolling(ImmaturePoint& point) const;
@@ -103,6 +105,7 @@ class DepthSearcher {
 
   bool isInside(const Eigen::Vector2d& pixel) const;
   bool chooseRange(const EpipolarLine& line, ImmaturePoint& point, Range& range) const;
+  double longestSearch(const EpipolarLine& line, double begin) const;
   int segmentCount(const Line& line, const Range& range) const;
   Scan scan(const ImmaturePoint& point, const Line& line, const Range& range) const;
   bool refine(const ImmaturePoint& point, const Line& line, const Range& range, Match& match) const;
@@ -113,6 +116,7 @@ class DepthSearcher {
   const ImageLevel* host_;
   const ImageLevel* frame_;
   DepthSearchConfig config_;
+  double nearest_;  // inverse depth that a search is to reach [1/m]
   ExposureTrajectory T_host_;
   RigidMotion T_frame_host_;
   MovingPose T_frame_host_row_;  // for points of other than the host's middle row
@@ -122,9 +126,5 @@ class DepthSearcher {
   HostToFrame transform_;
   SearchPatchMaker patch_maker_;
 };
-
-/// The same for a single point.
-void searchDepth(const ImagePyramid& host, const ImagePyramid& frame, const ExposureTrajectory& T_host, double gain,
-                 double offset, const DepthSearchConfig& config, ImmaturePoint& point);
 
 }  // namespace mba_vo
