@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <utility>
 
 #include "mba_vo/geometry/median.h"
 #include "mba_vo/image/parallel_for.h"
@@ -125,10 +124,9 @@ void LocalMap::searchDepths(const TrackedFrame& tracked) {
     const double gain = std::exp(tracked.brightness.a - host_brightness.a);
     const double offset = tracked.brightness.b - gain * host_brightness.b;
     const std::shared_ptr<const ImagePyramid> host_image = imageAsKnownNow(host);
-    const ImagePyramid& image = frame->pyramid;
     const VignetteRatio vignette(host_image->level(0).camera, host.frame->correction.lacks(calibration_.correction()),
-                                 image.level(0).camera, frame->correction.lacks(calibration_.correction()));
-    const DepthSearcher searcher(*host_image, image, in_host, gain, offset, config_.depth_search,
+                                 frame->pyramid.level(0).camera, frame->correction.lacks(calibration_.correction()));
+    const DepthSearcher searcher(*host_image, frame->pyramid, in_host, gain, offset, config_.depth_search,
                                  {window_.motion(id), window_.imageMotion(id), inverse_depth}, vignette);
     const std::size_t chunks = (host.immature.size() + kPointsPerSearch - 1) / kPointsPerSearch;
     parallelFor(chunks, [&, &immature = host.immature](std::size_t chunk) {

@@ -10,12 +10,9 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kLeastVisible = 0.35;    // share of a keyframe's points; with fewer, poses drift
+constexpr double kLeastVisible = 0.35;    // share of a keyframe's points; with fewer, poses slide, but those ...
+constexpr double kWellKnown = 0.3;        // ... known this well [px] (docs/decisions/2026-11-29-before-the-map.md)
 constexpr double kMostErrorRatio = 1.25;  // by which more error may be expected of a pose by a nearer keyframe
-
-bool isSeenWell(const TrackedFrame& tracked) {
-  return tracked.status == TrackingStatus::kTracking && tracked.measures.visible_fraction >= kLeastVisible;
-}
 
 }  // namespace
 
@@ -46,6 +43,11 @@ TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameCons
   tracked->reference = reference.id;
   tracked->trajectory = trajectory;
   return tracked;
+}
+
+bool isSeenWell(const TrackedFrame& tracked) {
+  return tracked.status == TrackingStatus::kTracking &&
+         (tracked.measures.visible_fraction >= kLeastVisible || tracked.expected_error <= kWellKnown);
 }
 
 OutwardTracking::OutwardTracking(const MapperConfig& config, std::shared_ptr<const InitialMap> initial,

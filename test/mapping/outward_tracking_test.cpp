@@ -116,11 +116,28 @@ TEST_F(OutwardTrackingTest, EndsWithTheFirstFrameThatIsSeenBadly) {
   EXPECT_TRUE(backward.done());
 }
 
-TEST_F(OutwardTrackingTest, EndsWhereLittleOfTheKeyframeIsSeen) {
+TEST_F(OutwardTrackingTest, WhereLittleOfTheKeyframeIsSeenItGoesOnIfThePoseIsKnownWell) {
   crowdWithPointsThatLeave();
-  OutwardTracking backward = begin({frame(kReference - 2), frame(kReference - 1)});
-  EXPECT_FALSE(backward.next());
-  EXPECT_TRUE(backward.done());
+  OutwardTracking backward = begin({frame(kReference - 1)});
+  const std::optional<TrackedFrame> tracked = backward.next();
+  ASSERT_TRUE(tracked);
+  EXPECT_LT(tracked->measures.visible_fraction, 0.35);
+  EXPECT_LT((truth(kReference - 1).inverse() * tracked->trajectory.T_reference_mid).log().norm(), 5e-3);
+}
+
+TEST(SeenWell, WhereLittleIsSeenOnlyIfThePoseIsKnownWell) {
+  TrackedFrame tracked;
+  const auto isWell = [&](TrackingStatus status, double visible_fraction, double expected_error) {
+    tracked.status = status;
+    tracked.measures.visible_fraction = visible_fraction;
+    tracked.expected_error = expected_error;
+    return isSeenWell(tracked);
+  };
+  EXPECT_TRUE(isWell(TrackingStatus::kTracking, 0.9, 0.9));
+  EXPECT_TRUE(isWell(TrackingStatus::kTracking, 0.3, 0.05));
+  EXPECT_FALSE(isWell(TrackingStatus::kTracking, 0.3, 0.5));
+  EXPECT_FALSE(isWell(TrackingStatus::kDegraded, 0.9, 0.05));
+  EXPECT_FALSE(isWell(TrackingStatus::kLost, 0.9, 0.05));
 }
 
 TEST_F(OutwardTrackingTest, AKeyframeThatSeesMoreTakesOver) {

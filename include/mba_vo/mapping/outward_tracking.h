@@ -22,6 +22,9 @@ TrackingHint newestOf(const InitialMap& initial, const ExposureTrajectory& start
 TrackedFrameConstPtr referenceItself(const Reference& reference, const FrameConstPtr& frame,
                                      const ExposureTrajectory& trajectory);
 
+/// Of a frame with this pose, those beyond it can be tracked.
+bool isSeenWell(const TrackedFrame& tracked);
+
 /// Tracks frames one after the other away from a map's first keyframe in time, backwards or forwards, against that of
 /// the map's first keyframes by which a pose is known best: on a fast turn the first one is soon out of sight. Ends
 /// with the first frame that is seen badly, or not at all: beyond it there is nothing to predict from, poses slide, and
@@ -34,11 +37,10 @@ class OutwardTracking {
                   std::deque<FrameConstPtr> frames, const ReferenceConstPtr& first_keyframe);
 
   bool done() const { return frames_.empty(); }
-  /// Snapshots of the same moment about the first keyframe and those after it that are in the window: there are more of
-  /// them by now, and their points have become better.
+  /// Snapshots, at one moment, of the first keyframe and those after it in the window: more of them, with better
+  /// points.
   void update(const std::vector<ReferenceConstPtr>& keyframes);
-  /// Tracks the next frame; nullopt: it ends here. The initial map's own pose of the frame, if there is one, is the
-  /// guess.
+  /// Tracks the next frame, from the initial map's own pose of it if there is one; nullopt: it ends here.
   std::optional<TrackedFrame> next();
 
  private:
