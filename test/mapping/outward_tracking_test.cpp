@@ -102,12 +102,11 @@ TEST_F(OutwardTrackingTest, EndsWithTheFirstFrameThatIsLost) {
 
 TEST_F(OutwardTrackingTest, EndsWithTheFirstFrameThatIsSeenBadly) {
   const FrameConstPtr bad = noisy(kReference - 2);
-  const Tracker tracker{TrackerConfig()};
-  const SE3 pose = truth(kReference - 2);
-  ASSERT_EQ(
-      tracker.track(*snapshot_, bad, {MotionState({pose, Vector6::Zero(), 0.0}, 0).priorAt(0), reference_.exposure})
-          .status,
-      TrackingStatus::kDegraded);
+  const SimulatedFrame rendered = render(kReference - 2);
+  const Vector6 velocity = (rendered.T_world_start.inverse() * rendered.T_world_end).log() / rendered.exposure;
+  const MotionState motion({truth(kReference - 2), velocity, rendered.exposure}, rendered.mid_exposure_ns);
+  const TrackingGuess right(motion.priorAt(rendered.mid_exposure_ns), rendered.exposure);
+  ASSERT_EQ(Tracker(TrackerConfig()).track(*snapshot_, bad, right).status, TrackingStatus::kDegraded);
   std::vector<FrameConstPtr> frames;
   for (int i = 0; i < kReference; ++i) frames.push_back(i == kReference - 2 ? bad : frame(i));
   OutwardTracking backward = begin(frames);
