@@ -104,6 +104,10 @@ mba_vo::OfflineResult runOver(const Arguments& a, const mba_vo::OfflineOptions& 
     bar.reset();
     printLearnt(result);
   };
+  run.onReturn = [&] {
+    bar.reset();
+    std::cout << "with that fewer than half as many images have a pose: beginning anew without it" << std::endl;
+  };
   return mba_vo::runCalibrated(run, options);
 }
 

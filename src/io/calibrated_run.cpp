@@ -1,21 +1,52 @@
 #include "mba_vo/io/calibrated_run.h"
 
+#include <algorithm>
+
 namespace mba_vo {
 namespace {
 
 constexpr std::size_t kImages = 600;  // that tell about the camera
 constexpr int kMostRestarts = 5;
 
+/// What is known of the camera when the sequence is begun.
+struct Known {
+  CalibrationCorrection correction;
+  ExposureCorrection exposure;
+};
+
+std::size_t countPoses(const OfflineResult& result) {
+  const std::vector<FrameRecord>& frames = result.log.frames();
+  const auto end = frames.begin() + static_cast<std::ptrdiff_t>(std::min(kImages, frames.size()));
+  return static_cast<std::size_t>(std::count_if(frames.begin(), end, [](const FrameRecord& f) { return f.hasPose(); }));
+}
+
+/// The run before, which made it necessary to begin anew.
+struct Before {
+  Known known;
+  std::size_t poses;
+};
+
 }  // namespace
 
 OfflineResult runCalibrated(const CalibratedRun& run, OfflineOptions options) {
+  bool learns = !options.live;  // a live run has one pass
+  std::optional<Before> before;
   for (int restarts = 0;; ++restarts) {
-    // A live run has one pass.
-    options.stop_if_learnt_within = restarts < kMostRestarts && !options.live ? kImages : 0;
+    options.stop_if_learnt_within = learns && restarts < kMostRestarts ? kImages : 0;
     const auto reader = run.open();
     OfflineResult result = runOffline(*reader, options, run.progress);
     result.restarts = restarts;
+    const std::size_t poses = countPoses(result);
+    if (before && 2 * poses < before->poses) {
+      options.known = before->known.correction;
+      options.exposure_correction = before->known.exposure;
+      learns = false;
+      before.reset();
+      if (run.onReturn) run.onReturn();
+      continue;
+    }
     if (!result.stopped_to_restart) return result;
+    before = Before{{options.known, options.exposure_correction}, poses};
     options.known = result.correction;
     options.exposure_correction = result.exposure_correction;
     if (run.onRestart) run.onRestart(result);

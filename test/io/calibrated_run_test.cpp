@@ -56,6 +56,17 @@ class RenderedReader : public SequenceReader {
   std::size_t next_ = 0;
 };
 
+/// The same with nothing to be seen.
+class BlankReader : public RenderedReader {
+ public:
+  using RenderedReader::RenderedReader;
+  std::optional<CameraImage> next() override {
+    std::optional<CameraImage> image = RenderedReader::next();
+    if (image) image->image = cv::Mat(image->image.size(), image->image.type(), cv::Scalar::all(128));
+    return image;
+  }
+};
+
 OfflineResult run(const test::RenderedSequence& sequence, std::optional<double> told, int& announced) {
   OfflineOptions options;
   options.config.mapper.deterministic = true;
@@ -110,6 +121,28 @@ TEST(CalibratedRun, WhereNothingIsToBeLearntItRunsOnce) {
   EXPECT_EQ(result.restarts, 0);
   EXPECT_EQ(announced, 0);
   EXPECT_EQ(result.exposure_correction, ExposureCorrection());
+}
+
+TEST(CalibratedRun, WhatWasLearntIsForgottenWhereNothingCanBeTrackedWithIt) {
+  OfflineOptions options;
+  options.config.mapper.deterministic = true;
+  finalize(options.config);
+  int opened = 0;
+  int returned = 0;
+  CalibratedRun run;
+  run.open = [&]() -> std::unique_ptr<SequenceReader> {
+    if (++opened == 2) return std::make_unique<BlankReader>(sequence(), std::nullopt);
+    return std::make_unique<RenderedReader>(sequence(), std::nullopt);
+  };
+  run.progress = [](std::size_t) {};
+  run.onReturn = [&] { ++returned; };
+  const OfflineResult result = runCalibrated(run, options);
+  EXPECT_EQ(opened, 3);
+  EXPECT_EQ(returned, 1);
+  EXPECT_EQ(result.restarts, 2);
+  ASSERT_EQ(result.log.frames().size(), static_cast<std::size_t>(kFrames)) << "to the end, whatever is learnt again";
+  EXPECT_TRUE(result.log.frames().back().hasPose());
+  EXPECT_FALSE(result.log.frames().front().exposure) << "as nobody told it";
 }
 
 }  // namespace
