@@ -33,7 +33,7 @@ int workingLevel(const ImagePyramid& pyramid) {
 
 /// With the light around them, as far as the flow of a corner looks. The edges of a hole stay where they are, and would
 /// hold back the flow of what is next to it.
-void fillHoles(const cv::Mat& valid, cv::Mat1f& image) {
+void fill(const cv::Mat& holes, const cv::Mat& valid, cv::Mat1f& image) {
   constexpr int kSide = 31;             // [px]
   constexpr double kLeastShare = 1e-3;  // of that area
   cv::Mat1f share, light;
@@ -42,7 +42,17 @@ void fillHoles(const cv::Mat& valid, cv::Mat1f& image) {
   cv::blur(image, light, {kSide, kSide});
   light /= cv::max(share, kLeastShare);
   light.setTo(cv::mean(image, valid), share < kLeastShare);
-  light.copyTo(image, ~valid);
+  light.copyTo(image, holes);
+}
+
+/// Those at the border of the image: what rectification leaves out, even one pixel wide, is continued where another
+/// image is predicted (predictImage), and as black areas would mislead the flow in a third of the image.
+cv::Mat holesAtBorder(const cv::Mat& holes) {
+  cv::Mat framed, outside;
+  cv::copyMakeBorder(holes, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(255));
+  cv::floodFill(framed, {0, 0}, cv::Scalar(128));
+  cv::compare(framed(cv::Rect({1, 1}, holes.size())), 128, outside, cv::CMP_EQ);
+  return outside;
 }
 
 cv::Mat1f blockEnergy(const cv::Mat1b& grey) {
@@ -115,9 +125,12 @@ InitializerImageConstPtr makeInitializerImage(const FrameConstPtr& frame) {
   const ImageLevel& level = frame->pyramid.level(image->level);
   image->camera = level.camera;
   const cv::Mat valid = level.intensity == level.intensity;  // NaN differs from itself
+  const cv::Mat holes = ~valid;
   cv::Mat1f finite = level.intensity.clone();
-  finite.setTo(0.0F, ~valid);
-  if (frame->masked) fillHoles(valid, finite);
+  if (cv::countNonZero(holes) > 0) {
+    finite.setTo(0.0F, holes);
+    fill(frame->masked ? holes : holesAtBorder(holes), valid, finite);
+  }
   finite.convertTo(image->grey, CV_8U);
   const int size = 2 * kMaskMargin + 1;
   cv::erode(valid, image->mask, cv::Mat1b::ones(size, size), cv::Point(-1, -1), 1, cv::BORDER_CONSTANT, cv::Scalar(0));
