@@ -99,6 +99,13 @@ class Figures(InFolder):
         (self.folder / "blur_px.txt").write_text("5\n")
         self.assertEqual(pieces.of_sequence(self.folder), [])
 
+    def test_few_poses_are_no_ate_of_a_piece(self):
+        truth = ["%g 0 0 0 0 0 0 1\n" % t for t in range(10)]
+        pieces.write(self.folder, [(truth, 7.0)] * 3)
+        for index, text in enumerate(("{rmse: 0.02, count: 5}", "{rmse: 0.001, count: 4}", "{rmse: .nan, count: 0}")):
+            (self.folder / pieces.FOLDER / ("%03d.yaml" % index)).write_text("ate: " + text)
+        self.assertEqual(pieces.read(self.folder), [(7.0, 2.0), (7.0, math.inf), (7.0, math.inf)])
+
     def test_quartiles_by_blur(self):
         curve = pieces.curve([(5.0, ate) for ate in (1.0, 2.0, 3.0, 4.0, 5.0)] + [(55.0, 1.0), (55.0, math.inf), (70.0, 1.0)])
         self.assertEqual(curve, [(5.0, [2.0, 3.0, 4.0], 5), (55.0, [math.inf, math.inf, math.inf], 2)])

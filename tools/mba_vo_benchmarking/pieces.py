@@ -9,6 +9,7 @@ from . import figures
 LENGTH = 5.0  # of a piece [s]
 LEAST = 2.0  # of the last piece [s]
 SHARE = 0.9  # of the images of a piece have at most its blur
+COMPARED = 0.5  # least share of the images of a piece that have a pose, and that in one map: few poses always fit
 FOLDER = "pieces"
 BIN_PX = 10.0  # of the curve
 MOST_PX = 60.0
@@ -51,13 +52,15 @@ def commands(evaluate, folder, pieces):
 
 
 def read(folder):
-    """[(blur [px], ATE [cm])] of the pieces of a run; infinite where nothing was published."""
+    """[(blur [px], ATE [cm])] of the pieces of a run; infinite where most images have no pose in the map with the most."""
     points = []
     for file in sorted((folder / FOLDER).glob("*.txt")):
         with open(file, encoding="utf-8") as stream:
             blur = float(stream.readline().split()[2])
-        ate = 100.0 * figures.value_at(figures.load_yaml(file.with_suffix(".yaml")), "ate.rmse")
-        points.append((blur, math.inf if math.isnan(ate) else ate))
+            images = sum(1 for _ in stream)
+        evaluation = figures.load_yaml(file.with_suffix(".yaml"))
+        known = figures.value_at(evaluation, "ate.count") >= COMPARED * images
+        points.append((blur, 100.0 * figures.value_at(evaluation, "ate.rmse") if known else math.inf))
     return points
 
 
