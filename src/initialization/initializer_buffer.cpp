@@ -21,6 +21,7 @@ void InitializerBuffer::clear() {
   images_.clear();
   tracker_.reset();
   reference_ = 0;
+  first_candidate_ = 0;
 }
 
 double InitializerBuffer::span() const {
@@ -42,6 +43,7 @@ void InitializerBuffer::add(const FrameConstPtr& frame) {
 void InitializerBuffer::dropOld() {
   while (images_.size() > 1 && span() > seconds_) {
     images_.pop_front();
+    if (first_candidate_ > 0) --first_candidate_;
     if (!tracker_) continue;
     if (reference_ == 0) tracker_.reset();
     if (reference_ > 0) --reference_;
@@ -55,19 +57,19 @@ bool InitializerBuffer::sees(std::size_t index) const {
 
 void InitializerBuffer::updateReference() {
   if (images_.size() < kMinFrames) return;
-  std::size_t begin = 0;  // of the candidates
   if (tracker_) {
     std::size_t tracked = images_.size();  // end of the tracked frames after the reference
     while (tracked > 0 && !images_[tracked - 1].tracks) --tracked;
     std::size_t blind = 0;
     while (blind < kBlindFrames && tracked > reference_ + blind && !sees(tracked - 1 - blind)) ++blind;
     if (blind == kBlindFrames) {
-      begin = tracked - blind;
+      first_candidate_ = tracked - blind;
       tracker_.reset();
     }
   }
   const auto sharper = [](const BufferedImage& a, const BufferedImage& b) { return a.log_sharpness < b.log_sharpness; };
-  const auto best = std::max_element(images_.begin() + static_cast<std::ptrdiff_t>(begin), images_.end(), sharper);
+  const auto first = images_.begin() + static_cast<std::ptrdiff_t>(first_candidate_);
+  const auto best = std::max_element(first, images_.end(), sharper);
   if (tracker_ && best->log_sharpness < images_[reference_].log_sharpness + kClearlySharper) return;
   setReference(static_cast<std::size_t>(best - images_.begin()));
 }

@@ -29,6 +29,7 @@ class InitializerBuffer {
   void clear();
 
   /// Chooses the reference anew if another frame is clearly sharper, or the newest frames do not see the current one.
+  /// One that was given up, and those before it, are not chosen again.
   void updateReference();
   /// Tracks up to `max_images` frames next to those tracked already, forwards in time first. The newest frame is left
   /// to the next call: its blur is known once the motion on both its sides is.
@@ -54,6 +55,7 @@ class InitializerBuffer {
   int max_corners_;
   std::deque<BufferedImage> images_;
   std::size_t reference_ = 0;
+  std::size_t first_candidate_ = 0;  // for a reference: what the newest frames did not see is none again
   std::unique_ptr<ReferenceTracker> tracker_;
 };
 
