@@ -1,6 +1,9 @@
 #include "mba_vo/io/calibrated_run.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <vector>
 
 namespace mba_vo {
 namespace {
@@ -8,10 +11,11 @@ namespace {
 constexpr std::size_t kImages = 600;  // that tell about the camera
 constexpr int kMostRestarts = 5;
 
-/// What is known of the camera when the sequence is begun.
-struct Known {
-  CalibrationCorrection correction;
-  ExposureCorrection exposure;
+/// The run that made it necessary to begin anew: what it knew of the camera, and images with a pose.
+struct Before {
+  CalibrationCorrection known;
+  ExposureCorrection exposure_correction;
+  std::size_t poses;
 };
 
 std::size_t countPoses(const OfflineResult& result) {
@@ -19,12 +23,6 @@ std::size_t countPoses(const OfflineResult& result) {
   const auto end = frames.begin() + static_cast<std::ptrdiff_t>(std::min(kImages, frames.size()));
   return static_cast<std::size_t>(std::count_if(frames.begin(), end, [](const FrameRecord& f) { return f.hasPose(); }));
 }
-
-/// The run before, which made it necessary to begin anew.
-struct Before {
-  Known known;
-  std::size_t poses;
-};
 
 }  // namespace
 
@@ -38,15 +36,15 @@ OfflineResult runCalibrated(const CalibratedRun& run, OfflineOptions options) {
     result.restarts = restarts;
     const std::size_t poses = countPoses(result);
     if (before && 2 * poses < before->poses) {
-      options.known = before->known.correction;
-      options.exposure_correction = before->known.exposure;
+      options.known = before->known;
+      options.exposure_correction = before->exposure_correction;
       learns = false;
       before.reset();
       if (run.onReturn) run.onReturn();
       continue;
     }
     if (!result.stopped_to_restart) return result;
-    before = Before{{options.known, options.exposure_correction}, poses};
+    before = Before{options.known, options.exposure_correction, poses};
     options.known = result.correction;
     options.exposure_correction = result.exposure_correction;
     if (run.onRestart) run.onRestart(result);

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "mba_vo/window/point_activation.h"
 
 namespace mba_vo {
 namespace {
@@ -56,20 +59,24 @@ bool WindowPointActivation::acceptable(const WindowState& state, const PointStat
          evaluation.H * point.inverse_depth * point.inverse_depth >= options_.min_relative_information;
 }
 
-std::optional<PointState> WindowPointActivation::activate(const WindowState& state,
-                                                          const std::vector<PairGeometry>& pairs,
-                                                          const NewPoint& candidate) const {
-  if (!(candidate.inverse_depth > 0.0) || !std::isfinite(candidate.inverse_depth)) return std::nullopt;
-  PointState point;
-  point.host = state.indexOf(candidate.host);
-  point.pixel = candidate.pixel;
-  point.inverse_depth = candidate.inverse_depth;
-  point.slope = candidate.slope;
-  point.measured = candidate.measured;
-  point.residuals.resize(state.keyframes.size() - 1);
-  for (int t = 0; t < state.size(); ++t) {
-    if (t != point.host) point.residuals[static_cast<std::size_t>(t < point.host ? t : t - 1)].target = t;
-  }
+bool WindowPointActivation::admit(const WindowState& state, const std::vector<PairGeometry>& pairs, double sigma,
+                                  Residuals& waiting, PointState& point) const {
+  const auto isOutOfReach = [&](const PatchResidual& residual) {
+    const PairGeometry& pair = pairs[static_cast<std::size_t>(point.host * state.size() + residual.target)];
+    const auto here = projectIntoTarget(pair, point.pixel, point.inverse_depth);
+    const auto off = projectIntoTarget(pair, point.pixel, point.inverse_depth + sigma);
+    return !here || !off || (*off - *here).norm() >= options_.reach_px;
+  };
+  const auto within = std::stable_partition(waiting.begin(), waiting.end(), isOutOfReach);
+  if (within == waiting.end()) return false;
+  point.residuals.insert(point.residuals.end(), within, waiting.end());
+  waiting.erase(within, waiting.end());
+  return true;
+}
+
+WindowPointActivation::Evaluation WindowPointActivation::refine(const WindowState& state,
+                                                                const std::vector<PairGeometry>& pairs,
+                                                                PointState& point) const {
   // Pixels follow the point between steps; before and after one step the same are compared.
   Evaluation current = evaluate(state, pairs, true, point);
   double lambda = 1e-3;
@@ -89,13 +96,37 @@ std::optional<PointState> WindowPointActivation::activate(const WindowState& sta
     current = drifted ? evaluate(state, pairs, true, point) : tried;
     lambda *= 0.1;
   }
-  if (!acceptable(state, point, current)) return std::nullopt;
-  point.information = current.H;
+  return current;
+}
+
+std::optional<PointState> WindowPointActivation::activate(const WindowState& state,
+                                                          const std::vector<PairGeometry>& pairs,
+                                                          const NewPoint& candidate) const {
+  if (!(candidate.inverse_depth > 0.0) || !std::isfinite(candidate.inverse_depth)) return std::nullopt;
+  PointState point;
+  point.host = state.indexOf(candidate.host);
+  point.pixel = candidate.pixel;
+  point.inverse_depth = candidate.inverse_depth;
+  point.slope = candidate.slope;
+  point.measured = candidate.measured;
+  Residuals waiting(state.keyframes.size() - 1);
+  for (int t = 0; t < state.size(); ++t) {
+    if (t != point.host) waiting[static_cast<std::size_t>(t < point.host ? t : t - 1)].target = t;
+  }
+  Evaluation found;
+  for (double sigma = candidate.sigma; admit(state, pairs, sigma, waiting, point);) {
+    found = refine(state, pairs, point);
+    sigma = 1.0 / std::sqrt(1.0 / (sigma * sigma) + found.H / kResidualVariance);
+  }
+  if (!acceptable(state, point, found)) return std::nullopt;
+  point.information = found.H;
   // Keyframes in which it cannot be seen now will hardly ever see it: on fast turns these are up to half.
   auto& residuals = point.residuals;
   residuals.erase(
       std::remove_if(residuals.begin(), residuals.end(), [](const PatchResidual& r) { return std::isnan(r.energy); }),
       residuals.end());
+  std::sort(residuals.begin(), residuals.end(),
+            [](const PatchResidual& a, const PatchResidual& b) { return a.target < b.target; });
   return point;
 }
 

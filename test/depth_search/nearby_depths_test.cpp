@@ -28,7 +28,7 @@ TEST(NearbyDepths, AreNearTheTruthBetweenPoints) {
   ASSERT_TRUE(depths.known());
   for (int y = 30; y < 220; y += 20) {
     for (int x = 30; x < 350; x += 20) {
-      EXPECT_NEAR(depths.at({x, y}) / trueInverseDepth(x, y), 1.0, 0.05) << x << " " << y;
+      EXPECT_NEAR(depths.at({x, y}).inverse_depth / trueInverseDepth(x, y), 1.0, 0.05) << x << " " << y;
     }
   }
 }
@@ -37,9 +37,21 @@ TEST(NearbyDepths, FarAwayStayWithinThoseOfThePoints) {
   const std::vector<ReferencePoint> points = pointsBetween(8.0F, 100.0F);
   const auto [least, most] = std::minmax_element(
       points.begin(), points.end(), [](const auto& l, const auto& r) { return l.inverse_depth < r.inverse_depth; });
-  const double far = NearbyDepths(points).at({360.0, 120.0});
+  const double far = NearbyDepths(points).at({360.0, 120.0}).inverse_depth;
   EXPECT_GE(far, static_cast<double>(least->inverse_depth));
   EXPECT_LE(far, static_cast<double>(most->inverse_depth));
+}
+
+TEST(NearbyDepths, AreLessCertainBetweenSurfaces) {
+  std::vector<ReferencePoint> points = pointsBetween(8.0F, 368.0F);
+  for (ReferencePoint& point : points) point.inverse_depth = point.pixel.x() < 180.0F ? 0.2F : 1.0F;
+  const NearbyDepths depths(points);
+  const NearbyDepths::Guess within = depths.at({40.0, 120.0});
+  const NearbyDepths::Guess between = depths.at({180.0, 120.0});
+  EXPECT_NEAR(within.inverse_depth, 0.2, 0.02);
+  EXPECT_LT(within.sigma, 0.1);
+  EXPECT_GT(within.sigma, 0.02) << "nothing says that there is no third surface";
+  EXPECT_GT(between.sigma, 0.25);
 }
 
 TEST(NearbyDepths, AreNotKnownFromAFewPoints) {

@@ -41,6 +41,15 @@ class PlanarScene {
     return scene;
   }
 
+  /// A wall at this distance that looks the same again after every `period` to the right and downwards [m].
+  static PlanarScene wallpaper(double distance, double period) {
+    PlanarScene scene;
+    scene.planes_ = {{Eigen::Vector3d::UnitZ(), distance}};
+    const double k = 2.0 * M_PI / period;
+    scene.waves_ = {{k * Eigen::Vector3d::UnitX(), 8.0, 0.3}, {k * Eigen::Vector3d::UnitY(), 8.0, 0.7}};
+    return scene;
+  }
+
   double inverseDepth(const PinholeCamera& camera, const SE3& T_world_camera, const Eigen::Vector2d& pixel) const {
     return 1.0 / hit(T_world_camera.translation(), T_world_camera.rotation() * camera.unproject(pixel));
   }

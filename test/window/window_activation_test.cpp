@@ -63,6 +63,45 @@ TEST(WindowActivation, RefinesDepthsAndRefusesBadPoints) {
   EXPECT_FALSE(window.activatePoints({{2, {100, 100}, -1.0}}).front());
 }
 
+/// A keyframe, one 5 px and one 31 px to the side of it, of a wall that looks the same again after 16 px.
+class WallpaperActivation : public testing::Test {
+ protected:
+  WallpaperActivation() {
+    for (const double x : {0.0, 0.05, 0.3}) {
+      const SE3 pose(Eigen::Quaterniond::Identity(), {x, 0.0, 0.0});
+      const auto image = test::pyramidOf(scene_.render(camera_, pose), camera_);
+      window_.addKeyframe({keyframes_++, image, image, pose, Vector6::Zero(), Vector6::Zero(), {}});
+    }
+  }
+
+  /// Of the points begun `factor` times too near, whose depth may be `relative_sigma` off: the share that ends right.
+  double shareRight(double factor, double relative_sigma) {
+    int tried = 0, right = 0;
+    for (int x = 75; x < 300; x += 11) {
+      for (int y = 25; y < 220; y += 11) {
+        const double guess = factor / kDistance;
+        ++tried;
+        if (!window_.activatePoints({{0, {x, y}, guess, relative_sigma * guess}}).front()) continue;
+        right += std::abs(kDistance * window_.points().back().inverse_depth - 1.0) < 0.02 ? 1 : 0;
+      }
+    }
+    return static_cast<double>(right) / tried;
+  }
+
+  static constexpr double kDistance = 2.5;
+  const PinholeCamera camera_ = test::smallCamera();
+  const test::PlanarScene scene_ = test::PlanarScene::wallpaper(kDistance, 16.0 * kDistance / camera_.fx);
+  Window window_{WindowConfig(), true};
+  KeyframeId keyframes_ = 0;
+};
+
+TEST_F(WallpaperActivation, KeyframesOutOfReachWaitUntilTheDepthIsCertain) {
+  for (const double factor : {0.7, 1.3}) {
+    EXPECT_GT(shareRight(factor, 0.4), 0.9) << factor;
+    EXPECT_LT(shareRight(factor, 0.0), 0.6) << factor << ": compared with all at once";
+  }
+}
+
 TEST(WindowActivation, AKeyframeThatCannotSeeAPointHasNoResidualOfIt) {
   Window window(WindowConfig(), true);
   settle(window);

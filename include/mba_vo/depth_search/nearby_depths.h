@@ -16,8 +16,11 @@ class NearbyDepths {
 
   /// False if there are too few points to guess by.
   bool known() const { return known_; }
-  /// [1/m]
-  double at(const Eigen::Vector2d& pixel) const;
+  struct Guess {
+    double inverse_depth;  // [1/m]
+    double sigma;          // of it, by how much the points around differ; never less than a step of a surface [1/m]
+  };
+  Guess at(const Eigen::Vector2d& pixel) const;
 
  private:
   bool known_;

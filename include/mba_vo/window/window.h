@@ -87,6 +87,7 @@ struct NewPoint {
   KeyframeId host = 0;
   Eigen::Vector2d pixel;       // in the host
   double inverse_depth = 0.0;  // where its refinement begins; what is not positive is refused
+  double sigma = 0.0;          // how far it may be off [1/m]: keyframes that would show that far away have to wait
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();
   MeasuredDepth measured{};
 };
