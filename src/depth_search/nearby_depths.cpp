@@ -19,7 +19,7 @@ NearbyDepths::NearbyDepths(const std::vector<ReferencePoint>& points) : known_(p
   for (std::size_t i = 0; i < points.size(); i += stride) sample_.push_back(points[i]);
 }
 
-NearbyDepths::Guess NearbyDepths::at(const Eigen::Vector2d& pixel) const {
+DepthGuess NearbyDepths::at(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2f place = pixel.cast<float>();
   float sum = 0.0F;
   float squares = 0.0F;

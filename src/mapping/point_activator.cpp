@@ -17,9 +17,9 @@ void eraseMarked(std::vector<ImmaturePoint>& points, const std::vector<bool>& ma
                points.end());
 }
 
-NewPoint newPoint(KeyframeId host, const ImmaturePoint& point, double inverse_depth, double sigma,
-                  const SurfaceSlopes& slopes) {
+NewPoint newPoint(KeyframeId host, const ImmaturePoint& point, DepthGuess depth, const SurfaceSlopes& slopes) {
   const Eigen::Vector2d pixel = point.pixel.cast<double>();
+  const auto& [inverse_depth, sigma] = depth;
   return {host, pixel, inverse_depth, sigma, slopes.at(pixel, inverse_depth, kUnrefinedVariance), point.measured};
 }
 
@@ -52,8 +52,7 @@ void PointActivator::activateFound(KeyframeId host, std::vector<ImmaturePoint>& 
     gone[i] = !seen;
     if (!seen || !grid_.isFree(*seen)) continue;
     if (!slopes) slopes.emplace(host_camera, pointsSeenBy(window_, known_, host));
-    const double sigma = 0.5 * (point.inverse_depth_max - point.inverse_depth_min);
-    candidates.push_back({i, newPoint(host, point, point.inverseDepth(), sigma, *slopes), *seen});
+    candidates.push_back({i, newPoint(host, point, {point.inverseDepth(), point.uncertainty()}, *slopes), *seen});
   }
   const std::vector<Outcome> outcomes = activate(candidates);
   for (std::size_t c = 0; c < candidates.size(); ++c) {
@@ -73,10 +72,10 @@ void PointActivator::activateGuessed(KeyframeId host, std::vector<ImmaturePoint>
   const SE3 T_newest_host = T_newest_map_ * window_.T_map_keyframe(host);
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < immature.size() && guesses_ < kMostGuesses; ++i) {
-    const NearbyDepths::Guess guess = depths.at(immature[i].pixel.cast<double>());
+    const DepthGuess guess = depths.at(immature[i].pixel.cast<double>());
     const auto seen = see(host_camera, T_newest_host, immature[i], guess.inverse_depth);
     if (!seen || !grid_.isFree(*seen)) continue;
-    candidates.push_back({i, newPoint(host, immature[i], guess.inverse_depth, guess.sigma, slopes), *seen});
+    candidates.push_back({i, newPoint(host, immature[i], guess, slopes), *seen});
     ++guesses_;
   }
   const std::vector<Outcome> outcomes = activate(candidates);

@@ -46,8 +46,8 @@ TEST(NearbyDepths, AreLessCertainBetweenSurfaces) {
   std::vector<ReferencePoint> points = pointsBetween(8.0F, 368.0F);
   for (ReferencePoint& point : points) point.inverse_depth = point.pixel.x() < 180.0F ? 0.2F : 1.0F;
   const NearbyDepths depths(points);
-  const NearbyDepths::Guess within = depths.at({40.0, 120.0});
-  const NearbyDepths::Guess between = depths.at({180.0, 120.0});
+  const DepthGuess within = depths.at({40.0, 120.0});
+  const DepthGuess between = depths.at({180.0, 120.0});
   EXPECT_NEAR(within.inverse_depth, 0.2, 0.02);
   EXPECT_LT(within.sigma, 0.1);
   EXPECT_GT(within.sigma, 0.02) << "nothing says that there is no third surface";

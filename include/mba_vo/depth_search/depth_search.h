@@ -54,6 +54,8 @@ struct ImmaturePoint {
 
   bool hasDepth() const { return inverse_depth_max > 0.0; }
   double inverseDepth() const { return 0.5 * (inverse_depth_min + inverse_depth_max); }
+  /// How far it may be off [1/m].
+  double uncertainty() const { return 0.5 * (inverse_depth_max - inverse_depth_min); }
 };
 
 /// A point of unknown depth at `pixel` of `host`.

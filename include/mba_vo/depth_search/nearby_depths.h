@@ -8,6 +8,12 @@
 
 namespace mba_vo {
 
+/// Of a point that nothing has been measured of.
+struct DepthGuess {
+  double inverse_depth;  // [1/m]
+  double sigma;          // of it [1/m]
+};
+
 /// Guesses of inverse depths where nothing is known, from the points around: means with the inverse fourth power of
 /// the distance as weight. Far from all points they are as good as any.
 class NearbyDepths {
@@ -16,11 +22,8 @@ class NearbyDepths {
 
   /// False if there are too few points to guess by.
   bool known() const { return known_; }
-  struct Guess {
-    double inverse_depth;  // [1/m]
-    double sigma;          // of it, by how much the points around differ; never less than a step of a surface [1/m]
-  };
-  Guess at(const Eigen::Vector2d& pixel) const;
+  /// As uncertain as the points around differ, and never less than by a step of a surface.
+  DepthGuess at(const Eigen::Vector2d& pixel) const;
 
  private:
   bool known_;

@@ -5,6 +5,7 @@
 
 #include "mba_vo/depth_search/nearby_depths.h"
 #include "mba_vo/depth_search/surface_slope.h"
+#include "mba_vo/image/spacing_grid.h"
 #include "mba_vo/window/point_activation.h"
 
 namespace mba_vo {
@@ -23,14 +24,12 @@ class PointActivator {
   /// Those of the host whose depths have been found. Takes those away that were activated or never will be.
   void activateFound(KeyframeId host, std::vector<ImmaturePoint>& immature);
 
-  /// True if the keyframe sees so few points that any more are welcome: on fast turns what comes into view is blurred,
-  /// and gone again before the search has found depths.
+  /// True if so few points are seen that any more are welcome: on fast turns new ones are gone before they are found.
   bool isStarving(int wanted_points) const;
   /// And so many that it needs no more.
   bool isFull(int wanted_points) const { return visible_ >= wanted_points; }
   /// Those of the host whose depths have not been found, beginning with the depths of points around: the keyframes
-  /// together tell more than the search in one frame after the other. Takes those away that were activated. No more
-  /// than kMostGuesses are tried.
+  /// together tell more than the search in single frames. Tries kMostGuesses at most, takes away what was activated.
   void activateGuessed(KeyframeId host, std::vector<ImmaturePoint>& immature);
 
   /// That were compared, of the points that were tried.

@@ -16,11 +16,10 @@ struct WindowPointActivationOptions {
   double min_relative_step = 1e-4;          // of the inverse depth; a smaller one is not worth a step
 };
 
-/// Finds the inverse depth of one point by Gauss-Newton on its residuals in the other keyframes, all poses fixed. First
-/// in those with so little parallax that they show the point within reach of where it is, then, as its depth becomes
-/// certain, in those further away: out of reach, a patch is compared with whatever is there, and on smeared images most
-/// of that looks like it. Returns the point with the residuals that came within reach, or nothing if too few of them
-/// agree or the depth remains too uncertain.
+/// Finds the inverse depth of one point by Gauss-Newton on its residuals in the other keyframes, all poses fixed: first
+/// in those with so little parallax that they show it within reach, then, as its depth becomes certain, in the others.
+/// Out of reach a patch is compared with what happens to be there, and on smeared images most of that looks like it.
+/// Returns the point with those residuals, or nothing if too few agree or the depth remains too uncertain.
 class WindowPointActivation {
  public:
   WindowPointActivation(const ResidualOptions& residual_options, const WindowPointActivationOptions& options)
