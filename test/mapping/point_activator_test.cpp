@@ -48,6 +48,28 @@ TEST_F(PointActivatorTest, NeedsFoundDepthsAsARule) {
   EXPECT_EQ(candidates_.size(), before) << "they may still be found";
 }
 
+/// From the true depth, which the last search left as uncertain as this: the next keyframe shows that 8 px away for 1.
+TEST_F(PointActivatorTest, AFoundDepthIsAsUncertainAsItsInterval) {
+  for (const double relative : {0.01, 0.99}) {
+    std::vector<ImmaturePoint> found = candidates_;
+    for (ImmaturePoint& point : found) {
+      const double d = scene_.inverseDepth(camera_, pose(0), point.pixel.cast<double>());
+      point.state = ImmaturePoint::State::kGood;
+      point.inverse_depth_min = (1.0 - relative) * d;
+      point.inverse_depth_max = (1.0 + relative) * d;
+      point.quality = 10.0;
+    }
+    const int before = window_.pointCount();
+    PointActivator(window_, 2, 6.0).activateFound(0, found);
+    const int added = window_.pointCount() - before;
+    if (relative < 0.5) {
+      EXPECT_GT(added, 50) << added;
+    } else {
+      EXPECT_EQ(added, 0);
+    }
+  }
+}
+
 TEST_F(PointActivatorTest, TellsWhenPointsAreShort) {
   const PointActivator activator(window_, 2, 6.0);
   EXPECT_TRUE(activator.isStarving(100 * known_));
