@@ -29,9 +29,11 @@ FixedMotionPathMaker::FixedMotionPathMaker(const PinholeCamera& reference_camera
       rolling_(isRolling(camera, rows.camera) || isRolling(reference_camera, rows.reference)),
       to_reference_row_(RigidMotion(), {-rows.reference.velocity, -rows.reference.acceleration}),
       T_reference_camera_(RigidMotion(trajectory.T_reference_mid), rows.camera) {
-  const double half = 0.5 * trajectory.exposure;
-  to_start_ = RigidMotion(SE3::exp(trajectory.motionUntil(-half)));
-  to_end_ = RigidMotion(SE3::exp(trajectory.motionUntil(half)));
+  if (moving_) {
+    const double half = 0.5 * trajectory.exposure;
+    to_start_ = RigidMotion(SE3::exp(trajectory.motionUntil(-half)));
+    to_end_ = RigidMotion(SE3::exp(trajectory.motionUntil(half)));
+  }
   moments_ = momentsAround(RigidMotion(trajectory.T_reference_mid));
 }
 

@@ -41,11 +41,13 @@ RigidMotion shortMotion(const Vector6& xi) {
 RigidMotion shortMotion(const Vector6& velocity, double t) { return shortMotion(t * velocity); }
 
 MovingPose::MovingPose(const RigidMotion& T, const BodyMotion& motion) {
+  c_[0] << T.R, T.p;
+  for (int i = 1; i < 4; ++i) c_[i].setZero();
+  if (motion.velocity.isZero(0.0) && motion.acceleration.isZero(0.0)) return;
   const Eigen::Matrix4d V = twistMatrix(motion.velocity);
   const Eigen::Matrix4d A = twistMatrix(motion.acceleration);
   const Eigen::Matrix4d second = 0.5 * (V * V + A);
   const Eigen::Matrix4d third = V * V * V / 6.0 + 0.25 * (V * A + A * V);
-  c_[0] << T.R, T.p;
   c_[1] = T.R * V.topRows<3>();
   c_[2] = T.R * second.topRows<3>();
   c_[3] = T.R * third.topRows<3>();

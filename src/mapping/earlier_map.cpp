@@ -95,6 +95,7 @@ std::optional<SavedMap> Mapper::Impl::mapAsCorrected(const TrajectoryStore::Corr
   auto pose = poses.begin();
   for (const auto& [id, kept] : archived) {
     map.keyframes.push_back(kept);
+    if (map_->has(id)) map.keyframes.back().update(*map_->makeReference(id));
     place(map.keyframes.back(), *pose++);
   }
   return map;

@@ -43,8 +43,7 @@ LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initi
       calibration_(calibration),
       metric_(initial.metric),
       window_(config.window, config.deterministic),
-      next_keyframe_(place.keyframe),
-      archives_departing_(config.loops.close) {
+      next_keyframe_(place.keyframe) {
   window_.setCorrection(calibration_.correction());
   if (!config_.refine_calibration) window_.settleCorrection();
   const FrameConstPtr& frame = initial.reference;
@@ -110,9 +109,7 @@ std::shared_ptr<const ImagePyramid> LocalMap::imageAsKnownNow(const HostKeyframe
 void LocalMap::searchDepths(const TrackedFrame& tracked) {
   const StageClock::time_point begin = StageClock::now();
   const SE3 T_map_frame = T_map_camera(tracked);
-  std::vector<double> inverse_depths;
-  for (const WindowPoint& point : window_.points()) inverse_depths.push_back(point.inverse_depth);
-  const double inverse_depth = median(std::move(inverse_depths));
+  const double inverse_depth = median(window_.inverseDepths());
   const FrameConstPtr frame = withCamera(tracked.frame, calibration_.correction());
   const auto hosts = std::min<std::ptrdiff_t>(kHostsSearched, std::distance(keyframes_.begin(), keyframes_.end()));
   for (auto keyframe = std::prev(keyframes_.end(), hosts); keyframe != keyframes_.end(); ++keyframe) {

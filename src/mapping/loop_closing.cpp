@@ -90,11 +90,13 @@ bool LoopClosing::mayBeJoined(MapId map) const {
   return std::any_of(left_.begin(), left_.end(), [&](MapId other) { return !joins.areSettled(other, map); });
 }
 
-std::string LoopClosing::follow(LocalMap& map, const TrajectoryStore& store) {
-  for (const ArchivedKeyframeConstPtr& keyframe : map.takeDeparted()) queue_->add(keyframe);
+std::string LoopClosing::follow(const LocalMap& map, const std::vector<LocalMap::Departed>& departed,
+                                const TrajectoryStore& store) {
+  if (close_ || mayBeJoined(map.id())) {
+    for (const auto& [reference, frame] : departed) queue_->add(archiveForLoops(*reference, *frame));
+  }
   if (deterministic_) queue_->settled();
   const bool may_be_joined = mayBeJoined(map.id());
-  map.archiveDeparting(close_ || may_be_joined);
   if (may_be_joined && queue_->isIdle()) {
     const std::vector<ArchivedKeyframeConstPtr> newest = map.archived(kLookedAt);
     queue_->look(newest.back(), newest);

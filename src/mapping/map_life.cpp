@@ -89,7 +89,7 @@ std::optional<KeyframeReport> Mapper::Impl::begin(std::unique_ptr<InitialMap> in
   const KeyframeId first = map_->newestKeyframe();
   reference_ = snapshot(ReferenceCause::kMapBegins, first);
   integrate(referenceItself(*reference_, frame, start), true);
-  recovery_.keep(*reference_, *frame, *map_);
+  recovery_.keep(*reference_, *frame);
   deblur(frame);
   std::optional<KeyframeReport> second = goAlong(*initial);
   last_ = newestOf(*initial, start);
@@ -155,6 +155,7 @@ MapperOutput Mapper::Impl::handleLost(const TrackedFrame& frame, bool has_time) 
     return output;
   }
   if (phase_ == MappingPhase::kRefining) refineNoFurther(output);
+  if (phase_ != MappingPhase::kLost) recovery_.update(*map_);
   change(MappingEvent::kFrameLost);
   recovery_.lose(frame);
   // What was found for a frame of the past, or with a keyframe on its way, would come when the tracker is elsewhere.

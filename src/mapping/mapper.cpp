@@ -113,7 +113,8 @@ void Mapper::Impl::finishRefining(bool refined, MapperOutput& output) {
 }
 
 std::string Mapper::Impl::complete(KeyframeReport& report, const TrackedFrameConstPtr& chosen, bool refined) {
-  std::string news = loops_.follow(*map_, store_);
+  const std::vector<LocalMap::Departed> departed = map_->takeDeparted();
+  std::string news = loops_.follow(*map_, departed, store_);
   const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kKeyframe, map_->newestKeyframe());
   if (refined) {  // else its error is none that the map should be judged by
     report.error_px = keyframeError(report.rms, *reference);
@@ -122,7 +123,8 @@ std::string Mapper::Impl::complete(KeyframeReport& report, const TrackedFrameCon
   }
   reference->doubt = health_.doubt();
   reference_ = reference;
-  if (!keepsEarlierMap()) recovery_.keep(*reference_, *chosen->frame, *map_);
+  for (const LocalMap::Departed& keyframe : departed) recovery_.update(*keyframe.reference);
+  if (!keepsEarlierMap()) recovery_.keep(*reference_, *chosen->frame);
   deblur(chosen->frame, chosen->trajectory.acceleration, chosen->trajectory.velocity);
   store_.makeKeyframe(*chosen, reference_->id.map_id, reference_->id.keyframe_id);
   deferred_.update(*map_);

@@ -10,11 +10,9 @@ constexpr double kLeastLost = 0.05;       // [s] until a lost frame is searched 
 
 }  // namespace
 
-void Recovery::keep(const Reference& keyframe, const Frame& frame, const LocalMap& map) {
-  KeyframeArchive& archive = relocalizer_.archive();
-  archive.add(keyframe, frame);
-  for (KeyframeId id = map.oldestKeyframe(); id < map.newestKeyframe(); ++id) {
-    if (map.has(id)) archive.update(*map.makeReference(id));
+void Recovery::update(const LocalMap& map) {
+  for (KeyframeId id = map.oldestKeyframe(); id <= map.newestKeyframe(); ++id) {
+    if (map.has(id)) update(*map.makeReference(id));
   }
 }
 

@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "mba_vo/image/parallel_for.h"
 #include "mba_vo/mapping/freed_memory.h"
 #include "mba_vo/mapping/local_map.h"
 #include "mba_vo/mapping/point_activator.h"
+#include "mba_vo/solver/point_chunks.h"
 #include "mba_vo/window/motion_alignment.h"
 #include "stage_clock.h"
 
@@ -102,15 +104,20 @@ void LocalMap::conclude(KeyframeReport& report) {
 /// Of half of the points, by turns: a slope, which most points have from their activation on, changes but slowly.
 void LocalMap::updateSlopes() {
   const std::vector<WindowPoint> points = window_.points();
-  std::map<KeyframeId, SurfaceSlopes> slopes;  // of the keyframes that have points
-  for (const WindowPoint& point : points) {
-    if (slopes.count(point.host) > 0) continue;
-    slopes.emplace(point.host, SurfaceSlopes(window_.camera(point.host), pointsSeenBy(window_, points, point.host)));
-  }
-  window_.setSlopes(points, [&](const WindowPoint& point) -> std::optional<Eigen::Vector2d> {
-    if ((point.id + newestKeyframe()) % kSlopeStride != 0) return std::nullopt;
-    return slopes.at(point.host).at(point.pixel, point.inverse_depth, kResidualVariance * point.variance);
+  const std::vector<KeyframeId> hosts = window_.keyframes();
+  std::vector<std::optional<SurfaceSlopes>> of_host(hosts.size());
+  parallelFor(hosts.size(), [&](std::size_t i) {
+    of_host[i].emplace(window_.camera(hosts[i]), pointsSeenBy(window_, points, hosts[i]));
   });
+  std::vector<std::optional<Eigen::Vector2d>> slopes(points.size());
+  PointChunks(points.size()).forEachRow([&](std::size_t /*chunk*/, std::size_t i) {
+    const WindowPoint& point = points[i];
+    if ((point.id + newestKeyframe()) % kSlopeStride != 0) return;
+    const auto host = std::lower_bound(hosts.begin(), hosts.end(), point.host) - hosts.begin();
+    const SurfaceSlopes& surface = *of_host[static_cast<std::size_t>(host)];
+    slopes[i] = surface.at(point.pixel, point.inverse_depth, kResidualVariance * point.variance);
+  });
+  window_.setSlopes(slopes);
 }
 
 /// One step of the calibration. Returns whether one was taken: the window is then to be optimised with it.
@@ -132,9 +139,7 @@ bool LocalMap::refineImaging(KeyframeReport& report) {
 
 void LocalMap::marginalizeKeyframes() {
   const std::vector<KeyframeId> leaving = window_.keyframesToMarginalize();
-  if (archives_departing_) {
-    for (const KeyframeId id : leaving) just_departed_.push_back(archive(id));
-  }
+  for (const KeyframeId id : leaving) just_departed_.push_back({makeReference(id), frame(id)});
   for (const KeyframeId id : leaving) {
     keepForDisplay(id);
     window_.marginalize(id);
@@ -144,15 +149,11 @@ void LocalMap::marginalizeKeyframes() {
   }
 }
 
-ArchivedKeyframeConstPtr LocalMap::archive(KeyframeId keyframe) const {
-  return archiveForLoops(*makeReference(keyframe), *frame(keyframe));
-}
-
 std::vector<ArchivedKeyframeConstPtr> LocalMap::archived(std::size_t most) const {
   const std::size_t count = std::min(most, keyframes_.size());
   std::vector<ArchivedKeyframeConstPtr> newest;
   for (auto k = std::prev(keyframes_.end(), static_cast<std::ptrdiff_t>(count)); k != keyframes_.end(); ++k) {
-    newest.push_back(archive(k->first));
+    newest.push_back(archiveForLoops(*makeReference(k->first), *k->second.frame));
   }
   return newest;
 }

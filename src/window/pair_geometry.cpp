@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "mba_vo/image/parallel_for.h"
+
 namespace mba_vo {
 namespace {
 
@@ -122,12 +124,12 @@ namespace {
 std::vector<PairGeometry> makeWanted(const WindowState& state, bool reblur_targets, const std::vector<bool>& wanted) {
   const auto n = static_cast<std::size_t>(state.size());
   std::vector<PairGeometry> pairs(n * n);
-  for (std::size_t h = 0; h < n; ++h) {
+  parallelFor(n, [&](std::size_t h) {
     for (std::size_t t = 0; t < n; ++t) {
       if (h == t || !wanted[h * n + t]) continue;
       pairs[h * n + t] = makePairGeometry(state.keyframes[h], state.keyframes[t], reblur_targets);
     }
-  }
+  });
   return pairs;
 }
 

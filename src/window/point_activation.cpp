@@ -46,8 +46,10 @@ std::vector<ReferencePoint> projectPoints(const Window& window, const std::vecto
   }
   const bool rolling = camera.row_time != 0.0;
   std::vector<ReferencePoint> projected;
+  auto known = hosts.end();  // points of one host come one after the other
   for (const WindowPoint& point : points) {
-    const Host& host = hosts.at(point.host);
+    if (known == hosts.end() || known->first != point.host) known = hosts.find(point.host);
+    const Host& host = known->second;
     const Eigen::Vector3d in_host = host.camera.unproject(point.pixel) / point.inverse_depth;
     const auto seen =
         rolling ? projectRolling(camera, motion, host.at_row.at(host.camera.rowDelay(point.pixel.y())) * in_host)

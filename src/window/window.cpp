@@ -116,9 +116,8 @@ void Window::Impl::addResidual(PointState& point, int target) const {
   const bool known = std::any_of(point.residuals.begin(), point.residuals.end(),
                                  [target](const PatchResidual& r) { return r.target == target; });
   if (known || target == point.host) return;
-  PatchResidual residual;
-  residual.target = target;
-  point.residuals.push_back(residual);
+  point.residuals.emplace_back();
+  point.residuals.back().target = target;
 }
 
 std::vector<KeyframeId> Window::Impl::keyframesToMarginalize() const {
@@ -283,9 +282,10 @@ AffineBrightness Window::brightness(KeyframeId id) const { return impl_->keyfram
 
 std::vector<WindowPoint> Window::points() const { return describePoints(impl_->state_); }
 
-void Window::setSlopes(const std::vector<WindowPoint>& points,
-                       const std::function<std::optional<Eigen::Vector2d>(const WindowPoint&)>& slopeOf) {
-  mba_vo::setSlopes(impl_->state_, points, slopeOf);
+std::vector<double> Window::inverseDepths() const { return mba_vo::inverseDepths(impl_->state_); }
+
+void Window::setSlopes(const std::vector<std::optional<Eigen::Vector2d>>& slopes) {
+  mba_vo::setSlopes(impl_->state_, slopes);
 }
 
 int Window::pointCount() const { return static_cast<int>(impl_->state_.points.size()); }

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
+#include "mba_vo/image/parallel_for.h"
 #include "mba_vo/solver/point_chunks.h"
 #include "mba_vo/solver/residual_spread.h"
 
@@ -14,12 +14,6 @@ namespace {
 const PairGeometry& pairOf(const std::vector<PairGeometry>& pairs, const WindowState& state, const PointState& point,
                            const PatchResidual& residual) {
   return pairs[static_cast<std::size_t>(point.host * state.size() + residual.target)];
-}
-
-std::vector<int> numbersOf(const std::vector<PointState>& points) {
-  std::vector<int> numbers(points.size());
-  std::iota(numbers.begin(), numbers.end(), 0);
-  return numbers;
 }
 
 bool isGoodTrial(const WindowState& state, const PatchResidual& residual) {
@@ -67,18 +61,15 @@ void WindowLinearizer::evaluateResidual(const PairGeometry& pair, const PointSta
   residual.misfit = comparison.misfit;
 }
 
-void WindowLinearizer::placePixels(WindowState& state, float max_drift) const {
-  const std::vector<PairGeometry> pairs = makePairGeometries(state, reblur_targets_, numbersOf(state.points));
-  for (PointState& point : state.points) {
-    for (PatchResidual& residual : point.residuals) {
-      if (residual.has_pixels && residual.drift <= max_drift) continue;
-      mba_vo::placePixels(pairOf(pairs, state, point, residual), point.pixel, point.inverse_depth, options_, residual,
-                          point.slope);
-    }
-  }
+/// New pixels, if there are none or the projection has drifted away from them.
+bool WindowLinearizer::place(const PairGeometry& pair, const PointState& point, float max_drift,
+                             PatchResidual& residual) const {
+  if (residual.has_pixels && residual.drift <= max_drift) return false;
+  placePixels(pair, point.pixel, point.inverse_depth, options_, residual, point.slope);
+  return true;
 }
 
-void WindowLinearizer::evaluate(WindowState& state, const std::vector<int>& points, WindowEvaluation& out) const {
+void WindowLinearizer::begin(const WindowState& state, const std::vector<int>& points, WindowEvaluation& out) const {
   out.points = points;
   out.pairs = makePairGeometries(state, reblur_targets_, points);
   out.first.clear();
@@ -88,61 +79,75 @@ void WindowLinearizer::evaluate(WindowState& state, const std::vector<int>& poin
     residuals += state.points[static_cast<std::size_t>(i)].residuals.size();
   }
   out.patches.resize(residuals);
-  PointChunks(points.size()).forEachRow([&](std::size_t /*chunk*/, std::size_t row) {
-    PointState& point = state.points[static_cast<std::size_t>(points[row])];
-    std::size_t patch = out.first[row];
+}
+
+template <typename Body>
+void WindowLinearizer::forEachResidual(WindowState& state, WindowEvaluation& evaluation, const Body& body) {
+  PointChunks(evaluation.points.size()).forEachRow([&](std::size_t /*chunk*/, std::size_t row) {
+    PointState& point = state.points[static_cast<std::size_t>(evaluation.points[row])];
+    std::size_t patch = evaluation.first[row];
     for (PatchResidual& residual : point.residuals) {
-      evaluateResidual(pairOf(out.pairs, state, point, residual), point, residual, out.patches[patch++]);
+      body(pairOf(evaluation.pairs, state, point, residual), point, residual, evaluation.patches[patch++]);
     }
   });
 }
 
-void WindowLinearizer::followResiduals(WindowState& state, WindowEvaluation& evaluation) const {
-  const auto forEach = [&](const auto& body) {
-    for (std::size_t row = 0; row < evaluation.points.size(); ++row) {
-      PointState& point = state.points[static_cast<std::size_t>(evaluation.points[row])];
-      std::size_t patch = evaluation.first[row];
-      for (PatchResidual& residual : point.residuals) {
-        PatchComparison& comparison = evaluation.patches[patch++];
-        if (!std::isnan(residual.trial_energy)) body(point, residual, comparison);
-      }
-    }
-  };
-  std::vector<std::vector<float>> sizes(state.keyframes.size());
-  forEach([&](const PointState&, const PatchResidual& residual, const PatchComparison& comparison) {
-    auto& into = sizes[static_cast<std::size_t>(residual.target)];
-    for (const float r : comparison.r) into.push_back(std::abs(r));
+void WindowLinearizer::evaluate(WindowState& state, const std::vector<int>& points, WindowEvaluation& out) const {
+  begin(state, points, out);
+  forEachResidual(state, out,
+                  [&](const PairGeometry& pair, const PointState& point, PatchResidual& residual,
+                      PatchComparison& comparison) { evaluateResidual(pair, point, residual, comparison); });
+}
+
+void WindowLinearizer::placeAndEvaluate(WindowState& state, const std::vector<int>& points, float max_drift,
+                                        WindowEvaluation& out) const {
+  begin(state, points, out);
+  forEachResidual(state, out, [&](const PairGeometry& pair, const PointState& point, PatchResidual& residual,
+                                  PatchComparison& comparison) {
+    place(pair, point, max_drift, residual);
+    evaluateResidual(pair, point, residual, comparison);
   });
-  for (std::size_t i = 0; i < sizes.size(); ++i) {
-    if (sizes[i].empty()) continue;
-    const double spread = residualSpread(sizes[i]);
+}
+
+void WindowLinearizer::replacePixels(WindowState& state, float max_drift, WindowEvaluation& evaluation) const {
+  forEachResidual(state, evaluation, [&](const PairGeometry& pair, const PointState& point, PatchResidual& residual,
+                                         PatchComparison& comparison) {
+    if (place(pair, point, max_drift, residual)) evaluateResidual(pair, point, residual, comparison);
+  });
+}
+
+void WindowLinearizer::followResiduals(WindowState& state, WindowEvaluation& evaluation) const {
+  std::vector<std::vector<const PatchComparison*>> into(state.keyframes.size());  // valid ones, by target
+  for (std::size_t row = 0; row < evaluation.points.size(); ++row) {
+    std::size_t patch = evaluation.first[row];
+    for (const PatchResidual& residual : state.points[static_cast<std::size_t>(evaluation.points[row])].residuals) {
+      const PatchComparison& comparison = evaluation.patches[patch++];
+      if (!std::isnan(residual.trial_energy)) into[static_cast<std::size_t>(residual.target)].push_back(&comparison);
+    }
+  }
+  parallelFor(into.size(), [&](std::size_t i) {
+    std::vector<float> sizes;
+    sizes.reserve(kResidualPixels * into[i].size());
+    for (const PatchComparison* comparison : into[i]) {
+      for (const float r : comparison->r) sizes.push_back(std::abs(r));
+    }
+    if (sizes.empty()) return;
+    const double spread = residualSpread(sizes);
     const double largest = static_cast<double>(options_.huber_threshold);
     state.keyframes[i].huber_threshold = static_cast<float>(huberThreshold(spread, largest));
     state.keyframes[i].precision = static_cast<float>(residualPrecision(spread));
-  }
+  });
   for (std::size_t i = 0; i < evaluation.pairs.size(); ++i) {
     const KeyframeState& target = state.keyframes[i % state.keyframes.size()];
     evaluation.pairs[i].huber_threshold = target.huber_threshold;
     evaluation.pairs[i].precision = target.precision;
   }
-  forEach([&](const PointState& point, PatchResidual& residual, PatchComparison& comparison) {
-    weighComparison(pairOf(evaluation.pairs, state, point, residual), residual, options_, comparison);
+  forEachResidual(state, evaluation, [&](const PairGeometry& pair, const PointState& /*point*/, PatchResidual& residual,
+                                         PatchComparison& comparison) {
+    if (std::isnan(residual.trial_energy)) return;
+    weighComparison(pair, residual, options_, comparison);
     residual.trial_energy = comparison.energy;
   });
-}
-
-void WindowLinearizer::replacePixels(WindowState& state, float max_drift, WindowEvaluation& evaluation) const {
-  for (std::size_t row = 0; row < evaluation.points.size(); ++row) {
-    PointState& point = state.points[static_cast<std::size_t>(evaluation.points[row])];
-    std::size_t patch = evaluation.first[row];
-    for (PatchResidual& residual : point.residuals) {
-      PatchComparison& comparison = evaluation.patches[patch++];
-      if (residual.has_pixels && residual.drift <= max_drift) continue;
-      const PairGeometry& pair = pairOf(evaluation.pairs, state, point, residual);
-      mba_vo::placePixels(pair, point.pixel, point.inverse_depth, options_, residual, point.slope);
-      evaluateResidual(pair, point, residual, comparison);
-    }
-  }
 }
 
 void WindowLinearizer::assemblePoint(const WindowState& state, const WindowEvaluation& evaluation, int row,

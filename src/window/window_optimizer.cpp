@@ -122,10 +122,9 @@ void WindowOptimizer::begin(WindowState& state, const ScalePrior& scale_prior, i
   max_iterations_ = max_iterations;
   lambda_ = options_.initial_lambda;
   penalty_.emplace(state);
-  linearizer_.placePixels(state, options_.max_drift_px);
   moving_.resize(state.points.size());
   std::iota(moving_.begin(), moving_.end(), 0);
-  evaluate(state);
+  linearizer_.placeAndEvaluate(state, moving_, options_.max_drift_px, evaluation_);
   linearizer_.followResiduals(state, evaluation_);
   acceptEnergies(state);
   updateOutlierThresholds(state);

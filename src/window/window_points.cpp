@@ -37,13 +37,16 @@ std::vector<WindowPoint> describePoints(const WindowState& state) {
   return points;
 }
 
-void setSlopes(WindowState& state, const std::vector<WindowPoint>& points,
-               const std::function<std::optional<Eigen::Vector2d>(const WindowPoint&)>& slopeOf) {
-  auto own = state.points.begin();
-  for (const WindowPoint& point : points) {
-    own = std::find_if(own, state.points.end(), [&](const PointState& p) { return p.id == point.id; });
-    if (own == state.points.end()) return;
-    if (const auto slope = slopeOf(point)) own->slope = *slope;
+std::vector<double> inverseDepths(const WindowState& state) {
+  std::vector<double> inverse_depths;
+  inverse_depths.reserve(state.points.size());
+  for (const PointState& point : state.points) inverse_depths.push_back(point.inverse_depth);
+  return inverse_depths;
+}
+
+void setSlopes(WindowState& state, const std::vector<std::optional<Eigen::Vector2d>>& slopes) {
+  for (std::size_t i = 0; i < slopes.size(); ++i) {
+    if (slopes[i]) state.points[i].slope = *slopes[i];
   }
 }
 

@@ -47,12 +47,14 @@ std::unique_ptr<Window> begin(bool measured) {
       }
     }
   }
-  window->setSlopes(window->points(), [&](const WindowPoint& point) {  // the walls are slanted
+  std::vector<std::optional<Eigen::Vector2d>> slopes;  // the walls are slanted
+  for (const WindowPoint& point : window->points()) {
     const auto at = [&](double dx, double dy) {
       return scene.inverseDepth(camera, truth(point.host), point.pixel + Eigen::Vector2d(dx, dy)) / kBegun;
     };
-    return std::make_optional<Eigen::Vector2d>(at(0.5, 0.0) - at(-0.5, 0.0), at(0.0, 0.5) - at(0.0, -0.5));
-  });
+    slopes.emplace_back(Eigen::Vector2d(at(0.5, 0.0) - at(-0.5, 0.0), at(0.0, 0.5) - at(0.0, -0.5)));
+  }
+  window->setSlopes(slopes);
   return window;
 }
 

@@ -96,10 +96,13 @@ class LocalMap {
   /// Snapshot for the tracker about one keyframe of the window.
   std::shared_ptr<Reference> makeReference(KeyframeId keyframe, const std::string& doubt = {}) const;
 
-  /// Whether keyframes that leave the window are wanted as they are then; at first with LoopConfig::close only.
-  void archiveDeparting(bool wanted) { archives_departing_ = wanted; }
+  /// A keyframe as it left the window.
+  struct Departed {
+    ReferenceConstPtr reference;
+    FrameConstPtr frame;
+  };
   /// Those that have left since the last call.
-  std::vector<ArchivedKeyframeConstPtr> takeDeparted() { return std::exchange(just_departed_, {}); }
+  std::vector<Departed> takeDeparted() { return std::exchange(just_departed_, {}); }
   /// The newest of the window, by id.
   std::vector<ArchivedKeyframeConstPtr> archived(std::size_t most = std::numeric_limits<std::size_t>::max()) const;
 
@@ -140,7 +143,6 @@ class LocalMap {
   void storePoses();
   bool refineImaging(KeyframeReport& report);
   void keepForDisplay(KeyframeId keyframe);
-  ArchivedKeyframeConstPtr archive(KeyframeId keyframe) const;
   MapPoint displayPoint(const WindowPoint& point) const;
 
   MapperConfig config_;
@@ -157,8 +159,7 @@ class LocalMap {
   double activation_distance_px_ = 4.0;       // adapted so that the window holds about max_points
   double depth_search_ms_ = 0.0;              // since the last keyframe
   std::vector<MapPoint> old_points_;
-  bool archives_departing_;
-  std::vector<ArchivedKeyframeConstPtr> just_departed_;
+  std::vector<Departed> just_departed_;
 };
 
 }  // namespace mba_vo

@@ -36,7 +36,8 @@ class LoopClosing {
 
   /// Takes the keyframes that have left the window, and what has been found by now of those before. Returns what to
   /// tell: that a loop has moved the map, and by how much, or that maps were joined; else nothing.
-  std::string follow(LocalMap& map, const TrajectoryStore& store);
+  std::string follow(const LocalMap& map, const std::vector<LocalMap::Departed>& departed,
+                     const TrajectoryStore& store);
   /// Takes the keyframes of an earlier run that `map` continues.
   void know(const SavedMap& earlier, MapId map);
   /// Nothing more will come of this window: takes all that it has. Another one begins with a keyframe that has left it:

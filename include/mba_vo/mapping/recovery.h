@@ -14,8 +14,12 @@ class Recovery {
  public:
   explicit Recovery(const MapperConfig& config) : config_(config), relocalizer_(config.relocalizer, config.tracker) {}
 
-  /// Keeps a new keyframe, and what is known by now of the others in the window of `map`.
-  void keep(const Reference& keyframe, const Frame& frame, const LocalMap& map);
+  /// Keeps a new keyframe.
+  void keep(const Reference& keyframe, const Frame& frame) { archive().add(keyframe, frame); }
+  /// What is known of a keyframe by now, if it is kept: while it is in the window, that changes all the time.
+  void update(const Reference& keyframe) { archive().update(keyframe); }
+  /// The same of all keyframes in the window of `map`, which is what a lost camera is looked for in.
+  void update(const LocalMap& map);
 
   /// Takes a frame that the tracker lost.
   void lose(const TrackedFrame& frame);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -140,9 +139,8 @@ class Window {
   /// Refines the inverse depths of new points against all keyframes, poses fixed, side by side, and adds those on which
   /// enough keyframes agree and whose depth is well determined. Returns for each whether it was added.
   std::vector<bool> activatePoints(const std::vector<NewPoint>& points);
-  /// Sets the slopes of the surface at `points`, all of them, see PointState; nullopt: it stays.
-  void setSlopes(const std::vector<WindowPoint>& points,
-                 const std::function<std::optional<Eigen::Vector2d>(const WindowPoint&)>& slopeOf);
+  /// Sets the slopes of the surface at points(), in their order, see PointState; nullopt: it stays.
+  void setSlopes(const std::vector<std::optional<Eigen::Vector2d>>& slopes);
   /// Adds the residuals of all existing points into a keyframe just added.
   void addResidualsTo(KeyframeId target);
 
@@ -188,6 +186,7 @@ class Window {
   Vector6 imageMotion(KeyframeId id) const;
   AffineBrightness brightness(KeyframeId id) const;
   std::vector<WindowPoint> points() const;
+  std::vector<double> inverseDepths() const;  // of these [1/m]
   int pointCount() const;
   int residualCount() const;       // good or not
   int evaluatedResiduals() const;  // by the last piece of an optimisation: those that have not settled

@@ -26,14 +26,14 @@ class WindowLinearizer {
   WindowLinearizer(const ResidualOptions& options, bool reblur_targets)
       : options_(options), reblur_targets_(reblur_targets) {}
 
-  /// (Re)places the pixels of residuals that have none or whose projection is more than `max_drift` px from its set.
-  void placePixels(WindowState& state, float max_drift) const;
-
   /// Evaluates all residuals of the points numbered `points` at the current state: writes their trial_energy and drift.
   void evaluate(WindowState& state, const std::vector<int>& points, WindowEvaluation& out) const;
+  /// The same, with new pixels for residuals that have none or whose projection is more than `max_drift` px from them.
+  void placeAndEvaluate(WindowState& state, const std::vector<int>& points, float max_drift,
+                        WindowEvaluation& out) const;
   /// Gives every keyframe the Huber threshold that suits the residuals into it, and weighs them by it.
   void followResiduals(WindowState& state, WindowEvaluation& evaluation) const;
-  /// As placePixels, and evaluates the residuals concerned, all else as in `evaluation` of the current state.
+  /// New pixels, and evaluates the residuals concerned, all else as in `evaluation` of the current state.
   void replacePixels(WindowState& state, float max_drift, WindowEvaluation& evaluation) const;
 
   /// The normal equations of the good residuals (without any prior). Row i of the depth terms is point points[i].
@@ -48,6 +48,12 @@ class WindowLinearizer {
  private:
   struct PairSums;
   class Chunk;
+  /// Lists the residuals of some points, and makes the pairs they need.
+  void begin(const WindowState& state, const std::vector<int>& points, WindowEvaluation& out) const;
+  /// Calls body(pair, point, residual, comparison) for all residuals, those of different points on different threads.
+  template <typename Body>
+  static void forEachResidual(WindowState& state, WindowEvaluation& evaluation, const Body& body);
+  bool place(const PairGeometry& pair, const PointState& point, float max_drift, PatchResidual& residual) const;
   void evaluateResidual(const PairGeometry& pair, const PointState& point, PatchResidual& residual,
                         PatchComparison& comparison) const;
   static void assemblePoint(const WindowState& state, const WindowEvaluation& evaluation, int row, Chunk& chunk,

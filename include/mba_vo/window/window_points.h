@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -12,9 +11,9 @@ namespace mba_vo {
 /// The active points of a window as its callers see them, in the order of the state.
 std::vector<WindowPoint> describePoints(const WindowState& state);
 
-/// Sets the slopes of those of the state's points that are among `points`, which have the order of the state; nullopt:
-/// it stays.
-void setSlopes(WindowState& state, const std::vector<WindowPoint>& points,
-               const std::function<std::optional<Eigen::Vector2d>(const WindowPoint&)>& slopeOf);
+std::vector<double> inverseDepths(const WindowState& state);  // in the same order [1/m]
+
+/// Sets the slopes of the state's points, in the same order; nullopt: it stays.
+void setSlopes(WindowState& state, const std::vector<std::optional<Eigen::Vector2d>>& slopes);
 
 }  // namespace mba_vo
