@@ -43,7 +43,8 @@ LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initi
       calibration_(calibration),
       metric_(initial.metric),
       window_(config.window, config.deterministic),
-      next_keyframe_(place.keyframe) {
+      next_keyframe_(place.keyframe),
+      budget_(config.window.max_points) {
   window_.setCorrection(calibration_.correction());
   if (!config_.refine_calibration) window_.settleCorrection();
   const FrameConstPtr& frame = initial.reference;
@@ -171,15 +172,16 @@ KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const BodyM
 
 /// Returns how many residuals that took.
 int LocalMap::activatePoints() {
-  activation_distance_px_ = adaptedDistance(activation_distance_px_, window_.pointCount(), config_.window.max_points);
+  const int wanted = budget_.points();
+  activation_distance_px_ = adaptedDistance(activation_distance_px_, window_.pointCount(), wanted);
   PointActivator activator(window_, newestKeyframe(), activation_distance_px_);
   const auto newest = std::prev(keyframes_.end());
   for (auto host = keyframes_.begin(); host != newest; ++host) {
     activator.activateFound(host->first, host->second.immature);
   }
-  if (!activator.isStarving(config_.window.max_points)) return activator.residuals();
+  if (!activator.isStarving(wanted)) return activator.residuals();
   // What has just come into view is in the last ones.
-  for (auto host = newest; host != keyframes_.begin() && !activator.isFull(config_.window.max_points);) {
+  for (auto host = newest; host != keyframes_.begin() && !activator.isFull(wanted);) {
     --host;
     activator.activateGuessed(host->first, host->second.immature);
   }

@@ -32,6 +32,7 @@ bool LocalMap::refineWindow(KeyframeReport& report) {
       iterate(report);
       break;
     case Refinement::Piece::kConclude:
+      budget_.keepUp();
       conclude(report);
       break;
   }
@@ -41,6 +42,7 @@ bool LocalMap::refineWindow(KeyframeReport& report) {
 
 void LocalMap::refineWindowNoFurther(KeyframeReport& report) {
   const StageClock::time_point begin = StageClock::now();
+  if (refinement_.iterations == 0) budget_.fallBehind();
   // What has not begun is left to the next keyframe: to begin costs more than all the rest.
   if (refinement_.next == Refinement::Piece::kIterate) endOptimization(report);
   if (refinement_.next == Refinement::Piece::kSelect) selectNewestPoints(report);
@@ -67,12 +69,13 @@ void LocalMap::beginOptimization(KeyframeReport& report) {
   const StageClock::time_point stage = StageClock::now();
   window_.beginOptimization(config_.window.max_iterations);
   report.optimisation_ms += millisecondsSince(stage);
-  refinement_ = {Refinement::Piece::kIterate, 0};
+  refinement_.next = Refinement::Piece::kIterate;
 }
 
 void LocalMap::iterate(KeyframeReport& report) {
   StageClock::time_point stage = StageClock::now();
   const bool more = window_.iterate();
+  ++refinement_.iterations;
   if (!more) endOptimization(report);
   storePoses();
   report.optimisation_ms += millisecondsSince(stage);

@@ -36,7 +36,7 @@ std::optional<double> errorOf(WindowState& trial, const WindowLinearizer& linear
   std::vector<int> all(trial.points.size());
   std::iota(all.begin(), all.end(), 0);
   WindowEvaluation evaluation;
-  linearizer.placeAndEvaluate(trial, all, std::numeric_limits<float>::infinity(), evaluation);
+  linearizer.evaluate(trial, all, evaluation, std::numeric_limits<float>::infinity());
   std::vector<float> sizes;
   double squared_gradient = 0.0;
   std::size_t patch = 0;

@@ -10,8 +10,6 @@
 namespace mba_vo {
 namespace {
 
-constexpr double kCertainSearch = 8.0;  // [px] a longer last search leaves the depth ambiguous
-constexpr double kMinQuality = 3.0;
 constexpr double kBorder = 5.0;  // [px]
 constexpr double kInitialRelativeSigma = 0.05;
 
@@ -21,15 +19,6 @@ std::optional<RollingProjection> see(const PinholeCamera& camera, const Eigen::V
 }
 
 }  // namespace
-
-bool isReadyToActivate(const ImmaturePoint& point) {
-  using State = ImmaturePoint::State;
-  if (point.measured.known()) return true;
-  const bool searched = point.state == State::kGood || point.state == State::kSkipped ||
-                        point.state == State::kBadCondition || point.state == State::kOutOfBounds;
-  return searched && point.hasDepth() && point.inverseDepth() > 0.0 && point.last_search_length_px < kCertainSearch &&
-         point.quality > kMinQuality;
-}
 
 std::vector<ReferencePoint> projectPoints(const Window& window, const std::vector<WindowPoint>& points,
                                           const PinholeCamera& camera, const SE3& T_map_camera,

@@ -69,18 +69,6 @@ bool WindowLinearizer::place(const PairGeometry& pair, const PointState& point, 
   return true;
 }
 
-void WindowLinearizer::begin(const WindowState& state, const std::vector<int>& points, WindowEvaluation& out) const {
-  out.points = points;
-  out.pairs = makePairGeometries(state, reblur_targets_, points);
-  out.first.clear();
-  std::size_t residuals = 0;
-  for (const int i : points) {
-    out.first.push_back(residuals);
-    residuals += state.points[static_cast<std::size_t>(i)].residuals.size();
-  }
-  out.patches.resize(residuals);
-}
-
 template <typename Body>
 void WindowLinearizer::forEachResidual(WindowState& state, WindowEvaluation& evaluation, const Body& body) {
   PointChunks(evaluation.points.size()).forEachRow([&](std::size_t /*chunk*/, std::size_t row) {
@@ -92,28 +80,31 @@ void WindowLinearizer::forEachResidual(WindowState& state, WindowEvaluation& eva
   });
 }
 
-void WindowLinearizer::evaluate(WindowState& state, const std::vector<int>& points, WindowEvaluation& out) const {
-  begin(state, points, out);
-  forEachResidual(state, out,
-                  [&](const PairGeometry& pair, const PointState& point, PatchResidual& residual,
-                      PatchComparison& comparison) { evaluateResidual(pair, point, residual, comparison); });
-}
-
-void WindowLinearizer::placeAndEvaluate(WindowState& state, const std::vector<int>& points, float max_drift,
-                                        WindowEvaluation& out) const {
-  begin(state, points, out);
-  forEachResidual(state, out, [&](const PairGeometry& pair, const PointState& point, PatchResidual& residual,
-                                  PatchComparison& comparison) {
-    place(pair, point, max_drift, residual);
-    evaluateResidual(pair, point, residual, comparison);
-  });
+void WindowLinearizer::evaluate(WindowState& state, const std::vector<int>& points, WindowEvaluation& out,
+                                std::optional<float> max_drift) const {
+  out.points = points;
+  out.pairs = makePairGeometries(state, reblur_targets_, points);
+  out.first.clear();
+  std::size_t residuals = 0;
+  for (const int i : points) {
+    out.first.push_back(residuals);
+    residuals += state.points[static_cast<std::size_t>(i)].residuals.size();
+  }
+  out.patches.resize(residuals);
+  forEachResidual(
+      state, out,
+      [&](const PairGeometry& pair, const PointState& point, PatchResidual& residual, PatchComparison& comparison) {
+        if (max_drift) place(pair, point, *max_drift, residual);
+        evaluateResidual(pair, point, residual, comparison);
+      });
 }
 
 void WindowLinearizer::replacePixels(WindowState& state, float max_drift, WindowEvaluation& evaluation) const {
-  forEachResidual(state, evaluation, [&](const PairGeometry& pair, const PointState& point, PatchResidual& residual,
-                                         PatchComparison& comparison) {
-    if (place(pair, point, max_drift, residual)) evaluateResidual(pair, point, residual, comparison);
-  });
+  forEachResidual(
+      state, evaluation,
+      [&](const PairGeometry& pair, const PointState& point, PatchResidual& residual, PatchComparison& comparison) {
+        if (place(pair, point, max_drift, residual)) evaluateResidual(pair, point, residual, comparison);
+      });
 }
 
 void WindowLinearizer::followResiduals(WindowState& state, WindowEvaluation& evaluation) const {
@@ -142,12 +133,13 @@ void WindowLinearizer::followResiduals(WindowState& state, WindowEvaluation& eva
     evaluation.pairs[i].huber_threshold = target.huber_threshold;
     evaluation.pairs[i].precision = target.precision;
   }
-  forEachResidual(state, evaluation, [&](const PairGeometry& pair, const PointState& /*point*/, PatchResidual& residual,
-                                         PatchComparison& comparison) {
-    if (std::isnan(residual.trial_energy)) return;
-    weighComparison(pair, residual, options_, comparison);
-    residual.trial_energy = comparison.energy;
-  });
+  forEachResidual(
+      state, evaluation,
+      [&](const PairGeometry& pair, const PointState& /*point*/, PatchResidual& residual, PatchComparison& comparison) {
+        if (std::isnan(residual.trial_energy)) return;
+        weighComparison(pair, residual, options_, comparison);
+        residual.trial_energy = comparison.energy;
+      });
 }
 
 void WindowLinearizer::assemblePoint(const WindowState& state, const WindowEvaluation& evaluation, int row,

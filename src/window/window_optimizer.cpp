@@ -124,7 +124,7 @@ void WindowOptimizer::begin(WindowState& state, const ScalePrior& scale_prior, i
   penalty_.emplace(state);
   moving_.resize(state.points.size());
   std::iota(moving_.begin(), moving_.end(), 0);
-  linearizer_.placeAndEvaluate(state, moving_, options_.max_drift_px, evaluation_);
+  linearizer_.evaluate(state, moving_, evaluation_, options_.max_drift_px);
   linearizer_.followResiduals(state, evaluation_);
   acceptEnergies(state);
   updateOutlierThresholds(state);

@@ -7,8 +7,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "deblur/fake_deblurrers.h"
 #include "io/temporary_folder.h"
-#include "mapping/fake_deblurrers.h"
 #include "mapping/follower.h"
 #include "mapping/mapper_fixture.h"
 

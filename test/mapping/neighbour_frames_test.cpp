@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mapping/fake_deblurrers.h"
+#include "deblur/fake_deblurrers.h"
 #include "mapping/follower.h"
 #include "mapping/mapper_fixture.h"
 

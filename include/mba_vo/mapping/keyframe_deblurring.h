@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "mba_vo/mapping/deblur_queue.h"
+#include "mba_vo/deblur/deblur_queue.h"
 #include "mba_vo/mapping/local_map.h"
 #include "mba_vo/mapping/mapper_config.h"
 #include "mba_vo/mapping/neighbour_frames.h"

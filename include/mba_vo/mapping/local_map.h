@@ -13,6 +13,7 @@
 #include "mba_vo/mapping/calibration_estimator.h"
 #include "mba_vo/mapping/keyframe_report.h"
 #include "mba_vo/mapping/mapper_config.h"
+#include "mba_vo/mapping/point_budget.h"
 #include "mba_vo/pose_graph/loop_keyframe.h"
 #include "mba_vo/tracking/map_point.h"
 #include "mba_vo/trajectory/pose_interpolation.h"
@@ -123,6 +124,7 @@ class LocalMap {
     enum class Piece { kSelect, kBegin, kIterate, kConclude };
     Piece next = Piece::kSelect;
     int calibration_steps = 0;  // taken
+    int iterations = 0;         // of the optimisation, with any calibration
   };
 
   void addKeyframe(const FrameConstPtr& frame, WindowKeyframe keyframe);
@@ -156,7 +158,8 @@ class LocalMap {
   Refinement refinement_;
   std::optional<BodyMotion> revised_motion_;  // of the newest keyframe, to be adopted once the window is optimised
   int departed_ = 0;                          // keyframes that have left the window
-  double activation_distance_px_ = 4.0;       // adapted so that the window holds about max_points
+  PointBudget budget_;                        // of the window
+  double activation_distance_px_ = 4.0;       // adapted so that it holds about as many points
   double depth_search_ms_ = 0.0;              // since the last keyframe
   std::vector<MapPoint> old_points_;
   std::vector<Departed> just_departed_;

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "mba_vo/deblur/deblur_queue.h"
 #include "mba_vo/deblur/deblurrer.h"
 #include "mba_vo/depth_search/depth_search.h"
 #include "mba_vo/geometry/calibration_correction.h"
 #include "mba_vo/initialization/initializer.h"
-#include "mba_vo/mapping/deblur_queue.h"
 #include "mba_vo/mapping/map_health.h"
 #include "mba_vo/pose_graph/loop_closer.h"
 #include "mba_vo/relocalization/relocalizer.h"

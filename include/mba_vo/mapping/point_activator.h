@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "mba_vo/depth_search/immature_point.h"
 #include "mba_vo/depth_search/nearby_depths.h"
 #include "mba_vo/depth_search/surface_slope.h"
 #include "mba_vo/image/spacing_grid.h"

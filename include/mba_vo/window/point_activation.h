@@ -2,16 +2,12 @@
 
 #include <vector>
 
-#include "mba_vo/depth_search/depth_search.h"
 #include "mba_vo/window/window.h"
 
 namespace mba_vo {
 
 /// Turns WindowPoint::variance into that of an inverse depth.
 inline constexpr double kResidualVariance = 25.0;  // [spread^2]
-
-/// True if the depth of an immature point is certain enough to enter the window.
-bool isReadyToActivate(const ImmaturePoint& point);
 
 /// The window's `points` as seen by a `camera` at T_map_camera, those outside the image left out. `motion`: of the
 /// camera, for a rolling shutter.

@@ -22,7 +22,7 @@ struct WindowConfig {
   int max_residuals = 5000;
   int max_residuals_blurred = 20000;
   double long_blur_px = 25.0;
-  int max_points = 1600;
+  int max_points = 1000;
   int max_iterations = 4;
   double min_relative_decrease = 0.01;
   double huber_threshold = 9.0;
@@ -41,7 +41,8 @@ struct WindowConfig {
     v("max_residuals_blurred", c.max_residuals_blurred, 0, 1000000,
       "the same, where one of the newest keyframes has a long blur");
     v("long_blur_px", c.long_blur_px, 0.0, 1000.0, "blur of a keyframe that counts as long [px]");
-    v("max_points", c.max_points, 100, 20000, "active points in the window");
+    v("max_points", c.max_points, 100, 20000,
+      "active points in the window; fewer where keyframes come faster than it is optimised");
     v("max_iterations", c.max_iterations, 1, 50, "iterations of the bundle adjustment per keyframe");
     v("min_relative_decrease", c.min_relative_decrease, 0.0, 1.0,
       "decrease of the cost, relative to it, below which no further iteration follows");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "mba_vo/solver/schur_complement.h"
@@ -27,10 +28,9 @@ class WindowLinearizer {
       : options_(options), reblur_targets_(reblur_targets) {}
 
   /// Evaluates all residuals of the points numbered `points` at the current state: writes their trial_energy and drift.
-  void evaluate(WindowState& state, const std::vector<int>& points, WindowEvaluation& out) const;
-  /// The same, with new pixels for residuals that have none or whose projection is more than `max_drift` px from them.
-  void placeAndEvaluate(WindowState& state, const std::vector<int>& points, float max_drift,
-                        WindowEvaluation& out) const;
+  /// `max_drift`: with new pixels before for those that have none, or whose projection is further from them [px].
+  void evaluate(WindowState& state, const std::vector<int>& points, WindowEvaluation& out,
+                std::optional<float> max_drift = std::nullopt) const;
   /// Gives every keyframe the Huber threshold that suits the residuals into it, and weighs them by it.
   void followResiduals(WindowState& state, WindowEvaluation& evaluation) const;
   /// New pixels, and evaluates the residuals concerned, all else as in `evaluation` of the current state.
@@ -48,8 +48,6 @@ class WindowLinearizer {
  private:
   struct PairSums;
   class Chunk;
-  /// Lists the residuals of some points, and makes the pairs they need.
-  void begin(const WindowState& state, const std::vector<int>& points, WindowEvaluation& out) const;
   /// Calls body(pair, point, residual, comparison) for all residuals, those of different points on different threads.
   template <typename Body>
   static void forEachResidual(WindowState& state, WindowEvaluation& evaluation, const Body& body);

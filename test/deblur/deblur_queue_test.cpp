@@ -1,4 +1,4 @@
-#include "mba_vo/mapping/deblur_queue.h"
+#include "mba_vo/deblur/deblur_queue.h"
 
 #include <set>
 #include <stdexcept>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mapping/fake_deblurrers.h"
+#include "deblur/fake_deblurrers.h"
 
 namespace mba_vo::test::deblur_queue_test {
 namespace {
@@ -22,7 +22,7 @@ DeblurQueueConfig configOf(int length) {
   return config;
 }
 
-DeblurTask task(KeyframeId keyframe, double blur_px) {
+DeblurTask task(std::uint32_t keyframe, double blur_px) {
   DeblurTask task;
   task.keyframe = keyframe;
   task.blur_px = blur_px;
@@ -30,8 +30,8 @@ DeblurTask task(KeyframeId keyframe, double blur_px) {
   return task;
 }
 
-bool all(KeyframeId /*keyframe*/) { return true; }
-bool none(KeyframeId /*keyframe*/) { return false; }
+bool all(std::uint32_t /*keyframe*/) { return true; }
+bool none(std::uint32_t /*keyframe*/) { return false; }
 
 std::uint64_t accountedFor(const DeblurCounts& c) {
   return c.waiting + c.sharpened + c.unsuited + c.passed_over + c.too_slow + c.forgotten;
@@ -50,7 +50,7 @@ TEST(DeblurQueue, TheLongestBlurGoesFirst) {
   queue.offer(task(1, 5.0));
   queue.offer(task(2, 20.0));
   queue.offer(task(3, 10.0));
-  std::vector<KeyframeId> order;
+  std::vector<std::uint32_t> order;
   for (std::int64_t t = 0; t < 3; ++t) {
     queue.begin(t * kSecond, all);
     const auto done = queue.take(all);
@@ -58,7 +58,7 @@ TEST(DeblurQueue, TheLongestBlurGoesFirst) {
     EXPECT_TRUE(done->result.sharpened);
     order.push_back(done->keyframe);
   }
-  EXPECT_EQ(order, (std::vector<KeyframeId>{2, 3, 1}));
+  EXPECT_EQ(order, (std::vector<std::uint32_t>{2, 3, 1}));
   EXPECT_EQ(queue.counts().sharpened, 3U);
 }
 
@@ -82,7 +82,7 @@ TEST(DeblurQueue, WhereItIsFullTheLeastBlurGivesWay) {
 
 TEST(DeblurQueue, BeginsNoMoreOftenThanAllowed) {
   DeblurQueue queue(configOf(10), std::make_shared<FakeDeblurrer>(copyOf), kWaits);
-  for (KeyframeId i = 0; i < 5; ++i) queue.offer(task(i, 10.0));
+  for (std::uint32_t i = 0; i < 5; ++i) queue.offer(task(i, 10.0));
   std::vector<std::int64_t> begun;
   for (std::int64_t t = 0; t <= 3 * kSecond; t += kSecond / 10) {
     queue.begin(t, all);
@@ -100,7 +100,7 @@ TEST(DeblurQueue, AKeyframeThatIsLeftWithoutATryTakesNoTurn) {
     return result;
   });
   DeblurQueue queue(configOf(10), deblurrer, kWaits);
-  for (KeyframeId i = 0; i < 5; ++i) queue.offer(task(i, 10.0 - i));
+  for (std::uint32_t i = 0; i < 5; ++i) queue.offer(task(i, 10.0 - i));
   const auto step = [&](std::int64_t now_ns) {
     queue.begin(now_ns, all);
     EXPECT_FALSE(queue.take(all));
@@ -120,8 +120,8 @@ TEST(DeblurQueue, AKeyframeThatIsLeftWithoutATryTakesNoTurn) {
 TEST(DeblurQueue, KeyframesThatHaveLeftTheWindowAreDropped) {
   const auto deblurrer = std::make_shared<FakeDeblurrer>(copyOf);
   DeblurQueue queue(configOf(3), deblurrer, kWaits);
-  for (KeyframeId i = 0; i < 3; ++i) queue.offer(task(i, 10.0 * i));
-  queue.begin(0, [](KeyframeId keyframe) { return keyframe == 1; });
+  for (std::uint32_t i = 0; i < 3; ++i) queue.offer(task(i, 10.0 * i));
+  queue.begin(0, [](std::uint32_t keyframe) { return keyframe == 1; });
   EXPECT_EQ(queue.counts().passed_over, 2U);
   EXPECT_EQ(queue.take(all)->keyframe, 1U);
   EXPECT_EQ(deblurrer->inputs().size(), 1U);
@@ -213,8 +213,8 @@ TEST(DeblurQueue, CountsEveryKeyframeOnce) {
     return result;
   });
   DeblurQueue queue(configOf(3), deblurrer, kWaits);
-  for (KeyframeId i = 0; i < 200; ++i) {
-    const auto window = [&](KeyframeId keyframe) { return keyframe + 4 > i && keyframe % 7 != 0; };
+  for (std::uint32_t i = 0; i < 200; ++i) {
+    const auto window = [&](std::uint32_t keyframe) { return keyframe + 4 > i && keyframe % 7 != 0; };
     queue.take(window);
     queue.offer(task(i, (i * 37) % 50));
     queue.begin(i * kSecond / 3, window);

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "mba_vo/deblur/deblurrer.h"
-#include "mba_vo/tracking/reference.h"
 
 namespace mba_vo {
 
@@ -26,13 +25,13 @@ struct DeblurQueueConfig {
 
 /// A keyframe that is to be deblurred.
 struct DeblurTask {
-  KeyframeId keyframe = 0;
+  std::uint32_t keyframe = 0;
   double blur_px = 0.0;  // the longer, the more there is to gain [px]
   DeblurInput input;
 };
 
 struct DeblurredKeyframe {
-  KeyframeId keyframe = 0;
+  std::uint32_t keyframe = 0;
   DeblurResult result;  // sharpened
 };
 
@@ -53,7 +52,7 @@ struct DeblurCounts {
 /// Used by one thread, which is never held up, unless it asks for results that do not depend on time.
 class DeblurQueue {
  public:
-  using IsKept = std::function<bool(KeyframeId)>;
+  using IsKept = std::function<bool(std::uint32_t)>;
 
   /// `waits`: take() waits for the result, so that runs can be repeated; so does clear().
   DeblurQueue(const DeblurQueueConfig& config, std::shared_ptr<const Deblurrer> deblurrer, bool waits);
@@ -78,7 +77,7 @@ class DeblurQueue {
     bool held_up = false;  // it was its turn, but the thread was busy
   };
   struct Running {
-    KeyframeId keyframe = 0;
+    std::uint32_t keyframe = 0;
     bool wanted = true;
     std::future<DeblurResult> result;
   };

@@ -1,4 +1,4 @@
-#include "mba_vo/mapping/deblur_queue.h"
+#include "mba_vo/deblur/deblur_queue.h"
 
 #include <algorithm>
 #include <chrono>
