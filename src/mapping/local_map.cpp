@@ -157,6 +157,7 @@ KeyframeReport LocalMap::insertKeyframe(const TrackedFrame& tracked, const BodyM
   window_.addResidualsTo(newestKeyframe());
   const StageClock::time_point stage = StageClock::now();
   alignBlurred(tracked.measures.blur_length_px);
+  report.wanted_points = budget_.points();
   report.activation_residuals = activatePoints();
   storePoses();
   refinement_ = {};

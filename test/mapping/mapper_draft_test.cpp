@@ -29,6 +29,8 @@ TEST(MapperDraft, AKeyframeIsOfUseBeforeTheWindowIsOptimised) {
     EXPECT_EQ(by_draft.status, TrackingStatus::kTracking) << by_draft.reason;
     const SE3 by_refined = follower.track(refined).trajectory.T_reference_mid;
     EXPECT_LT(distance(by_draft.trajectory.T_reference_mid, by_refined), kClose);
+    ASSERT_TRUE(output.keyframe);
+    EXPECT_EQ(output.keyframe->wanted_points, config().window.max_points);
   }
 }
 
@@ -61,6 +63,7 @@ TEST(MapperDraft, AKeyframeWhoseViewIsBeingLeftDoesNotWaitForTheOneBefore) {
   EXPECT_GE(pieces, 3);
   ASSERT_TRUE(last);
   EXPECT_GT(last->residuals, 0);
+  EXPECT_LT(last->wanted_points, 0.8 * config().window.max_points) << "those before were not optimised at all";
 }
 
 /// It waits no longer than the view stays, and moves as the frames on both sides say, once there are two.

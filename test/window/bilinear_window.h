@@ -64,6 +64,12 @@ inline std::vector<int> allPoints(const WindowState& state) {
   return all;
 }
 
+/// Residuals need pixels before they can be compared.
+inline void placePixels(const WindowLinearizer& linearizer, WindowState& state) {
+  WindowEvaluation evaluation;
+  linearizer.evaluate(state, allPoints(state), evaluation, 0.75F);
+}
+
 /// Geometric Jacobians are those of the patch's centre, for all its pixels; with only the centre weighted they are
 /// exact.
 inline void keepCentre(PatchResidual& residual) {

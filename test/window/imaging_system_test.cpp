@@ -26,7 +26,7 @@ TEST_P(ImagingSystemOf, CalibrationIsThatOfASumOfSquares) {
   Random random(29);
   WindowState state = randomState(random, GetParam());
   const WindowLinearizer linearizer(smoothOptions(), true);
-  linearizer.placePixels(state, 0.75F);
+  placePixels(linearizer, state);
   const ImagingSystem system = linearizeImaging(state, linearizer, 1);
   const CalibrationCorrection::Matrix& H = system.calibration.H;
   EXPECT_LT((H - H.transpose()).norm(), 1e-6 * H.norm());
@@ -49,7 +49,7 @@ TEST(ImagingSystem, LargeWindowsSayNoMoreOfTheCalibrationThanOrdinaryOnes) {
   const auto evidenceOf = [&](int copies) {  // of 40 points with two residuals each
     Random random(29);
     WindowState state = randomState(random, Exposure::kBlurred);
-    linearizer.placePixels(state, 0.75F);
+    placePixels(linearizer, state);
     std::vector<PointState> points;
     for (const PointState& point : state.points) points.insert(points.end(), static_cast<std::size_t>(copies), point);
     state.points = points;
@@ -122,7 +122,7 @@ struct RollingWindow {
 
   void step() {
     const WindowLinearizer linearizer(ResidualOptions(), true);
-    linearizer.placePixels(state, 0.75F);
+    placePixels(linearizer, state);
     const ImagingSystem system = linearizeImaging(state, linearizer, 1);
     ASSERT_EQ(system.velocity_steps.size(), state.keyframes.size());
     for (int i = 0; i < kKeyframes; ++i) {
@@ -170,7 +170,7 @@ TEST(ImagingSystem, EvidenceAndGradientAgreeUnderARollingShutter) {
       RollingWindow window(random);
       for (KeyframeState& keyframe : window.state.keyframes) keyframe.lacking.values(number) = lacking;
       const WindowLinearizer linearizer(ResidualOptions(), true);
-      linearizer.placePixels(window.state, 0.75F);
+      placePixels(linearizer, window.state);
       return linearizeImaging(window.state, linearizer, 1).calibration;
     };
     const CalibrationSystem right = systemWith(0.0), wrong = systemWith(kWrong);
@@ -182,7 +182,7 @@ TEST(ImagingSystem, CouplingIsHowGradientsChangeWithTheCorrection) {
   Random random(4);
   RollingWindow window(random);
   const WindowLinearizer linearizer(smoothOptions(), true);
-  linearizer.placePixels(window.state, 0.75F);
+  placePixels(linearizer, window.state);
   std::vector<int> points(window.state.points.size());
   std::iota(points.begin(), points.end(), 0);
   const auto gradient = [&](const Eigen::VectorXd& correction) -> Eigen::VectorXd {

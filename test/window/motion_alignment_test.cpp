@@ -29,7 +29,7 @@ WindowState stateFor(Random& random, Exposure exposure) {
     keyframe.expected_velocity = keyframe.velocity;
     keyframe.outlier_energy = 1e9;
   }
-  WindowLinearizer(smoothOptions(), true).placePixels(state, 0.75F);
+  placePixels(WindowLinearizer(smoothOptions(), true), state);
   keepCentres(state);
   return state;
 }

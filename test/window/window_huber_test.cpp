@@ -19,7 +19,7 @@ TEST(WindowHuberThreshold, AndPrecisionFollowTheResidualsIntoEachKeyframe) {
   WindowState state = randomState(random, Exposure::kBlurred);
   const ResidualOptions options = smoothOptions();
   const WindowLinearizer linearizer(options, true);
-  linearizer.placePixels(state, 0.75F);
+  placePixels(linearizer, state);
   WindowEvaluation evaluation;
   linearizer.evaluate(state, allPoints(state), evaluation);
   for (std::size_t p = 0; p < state.points.size(); ++p) {

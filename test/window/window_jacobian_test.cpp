@@ -23,7 +23,7 @@ TEST_P(WindowJacobian, GradientMatchesCentralDifferences) {
     Random random(seed);
     WindowState state = randomState(random, GetParam());
     const WindowLinearizer linearizer(smoothOptions(), true);
-    linearizer.placePixels(state, 0.75F);
+    placePixels(linearizer, state);
     keepCentres(state);
     LinearizedWindow system;
     linearizer.linearize(state, allPoints(state), system);
@@ -101,7 +101,7 @@ TEST_P(WindowJacobian, ReducedSystemHasNoInformationAboutTheGauge) {
   WindowState state = randomState(random, GetParam());
   for (int k = 0; k < 3; ++k) state.keyframe(k).delta.head<6>() = random.tangent(0.01, 0.01);
   const WindowLinearizer linearizer(smoothOptions(), true);
-  linearizer.placePixels(state, 0.75F);
+  placePixels(linearizer, state);
   LinearizedWindow system;
   linearizer.linearize(state, allPoints(state), system);
   ReducedSystem reduced;
@@ -179,7 +179,7 @@ TEST_P(WindowJacobian, OfTheVignetteIsThatOfALackingOne) {
   Random random(37);
   WindowState state = randomState(random, GetParam());
   const WindowLinearizer linearizer(smoothOptions(), true);
-  linearizer.placePixels(state, 0.75F);
+  placePixels(linearizer, state);
   int compared = 0;
   for (const PointState& point : state.points) {
     const PatchResidual& residual = point.residuals.front();

@@ -23,7 +23,7 @@ bool isCompared(double nearer) {
   state.keyframe(0).T_linear = SE3();
   state.keyframe(1).T_linear = SE3(SE3().rotation(), Eigen::Vector3d(0.0, 0.0, 2.0 - 2.0 / nearer));
   const WindowLinearizer linearizer(smoothOptions(), true);
-  linearizer.placePixels(state, 0.75F);
+  placePixels(linearizer, state);
   WindowEvaluation evaluation;
   linearizer.evaluate(state, allPoints(state), evaluation);
   return !std::isnan(state.points.front().residuals.front().trial_energy);

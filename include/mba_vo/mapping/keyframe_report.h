@@ -22,6 +22,7 @@ struct KeyframeReport {
   std::int64_t mid_exposure_ns = 0;
   double blur_length_px = 0.0;
   int points = 0;                // active points in the window afterwards
+  int wanted_points = 0;         // that it is to hold with this keyframe, see PointBudget
   int residuals = 0;             // in the last optimisation
   int activation_residuals = 0;  // compared to find the depths of new points
   double rms = 0.0;              // of the window's residuals [grey levels]
