@@ -17,7 +17,8 @@ struct StepTime {
 /// 2.1 GHz: medians of machine.yaml of `taskset --cpu-list 0 mba_vo_offline` over desk, shake, kitchen and spin, the
 /// other core busy as it is in live runs, rounded. `relocalize` is of live runs of spin, and `look_for_map_per_1000` of
 /// kitchen: elsewhere too few frames were lost, or tries made; in kitchen pieces of the optimisation took equally long,
-/// and are not counted.
+/// and are not counted. `draft`, `iteration` and `keyframe` follow the code: what they were, times the ratio of two
+/// programs on another machine (docs/decisions/2026-11-29-point-budget.md).
 struct Machine {
   double cores = 2.0;                  // that can be used at a time
   double image = 1.3;                  // a frame is made of an image
@@ -28,11 +29,11 @@ struct Machine {
   double look_for_map_per_1000 = 6.7;  // and for each thousand residuals of structure and motion
   double first_map = 40.0;             // and makes a map, with its second keyframe
   double depth_search = 4.4;           // depths are searched in a frame
-  double draft = 5.5;                  // a keyframe is inserted
-  double draft_per_1000 = 1.3;         // and for each thousand residuals of new points
-  double iteration = 6.3;              // a piece of the optimisation of the window
+  double draft = 4.5;                  // a keyframe is inserted
+  double draft_per_1000 = 1.4;         // and for each thousand residuals of new points
+  double iteration = 5.5;              // a piece of the optimisation of the window
   double iteration_per_1000 = 1.5;     // and for each thousand residuals that it evaluates
-  double keyframe = 6.1;               // the last piece of what is done with a keyframe
+  double keyframe = 4.1;               // the last piece of what is done with a keyframe
   double relocalize = 23.0;            // a lost frame is looked for
   double deferred = 4.0;               // a frame is tracked once more for the trajectory
 
