@@ -28,7 +28,7 @@ keyframe.flow_px: upwards, where the mapper falls behind; downwards, where the c
 mapper.initializer.min_parallax: downwards, where the status says "only rotation so far" although the camera moves, but far from everything
 mapper.initializer.buffer_seconds: upwards, where the camera moves so slowly that there is no parallax within it
 mapper.depth_sensor.max_depth: depth images that are wrong far away, or right beyond it
-mapper.window.max_points: downwards, where keyframes take too long: new ones come late, and the camera is lost on turns
+mapper.window.max_points: upwards, where there is time to spare; downwards, where new keyframes come late all the time
 mapper.window.max_residuals: the same
 mapper.deblur.method: sharp images of keyframes are wanted; the map seldom needs them
 mapper.restart_after_lost: upwards, where the camera is likely to come back to what it knows
