@@ -15,6 +15,8 @@ constexpr std::size_t kLeastHistory = 4;      // keyframes of which the quartile
 constexpr std::size_t kMostKeyframes = 1000;  // of which the errors are remembered
 constexpr std::size_t kMostFrames = 101;
 constexpr int kWrongInARow = 2;
+constexpr std::size_t kFirstFrames = 16;  // docs/decisions/2026-11-29-first-frames.md
+constexpr int kMostContradicted = 2;      // maps in a row
 
 template <typename Values>
 double quantile(const Values& values, double level) {
@@ -34,7 +36,11 @@ double keyframeError(double rms, const Reference& keyframe) {
   return gradient > 0.0 ? rms / gradient : 0.0;
 }
 
-void MapHealth::reset() { *this = MapHealth(config_); }
+void MapHealth::reset() {
+  const int contradicted = contradicted_in_a_row_;
+  *this = MapHealth(config_);
+  contradicted_in_a_row_ = contradicted;
+}
 
 double MapHealth::limit() const {
   if (errors_.size() < kLeastHistory) return config_.max_error;
@@ -55,15 +61,27 @@ void MapHealth::addDepths(const DepthAgreement& depths) { depths_ = depths; }
 void MapHealth::addFrame(double error) {
   frame_errors_.push_back(error);
   if (frame_errors_.size() > kMostFrames) frame_errors_.pop_front();
+  if (frame_errors_.size() != kFirstFrames) return;
+  contradicted_ = usualFrameError() > config_.max_error;
+  contradicted_in_a_row_ = contradicted_ ? contradicted_in_a_row_ + 1 : 0;
 }
 
-bool MapHealth::isWrong() const { return depths_.fails() || wrong_in_a_row_ >= (isYoung() ? 1 : kWrongInARow); }
+bool MapHealth::beganWrong() const { return contradicted_ && contradicted_in_a_row_ <= kMostContradicted; }
+
+bool MapHealth::isWrong() const {
+  return depths_.fails() || beganWrong() || wrong_in_a_row_ >= (isYoung() ? 1 : kWrongInARow);
+}
 
 std::string MapHealth::doubt() const {
   std::array<char, 128> text{};
   if (depths_.fails()) {
     std::snprintf(text.data(), text.size(), "the images contradict the depth images (%d of %d points agree)",
                   depths_.agreeing, depths_.compared);
+    return text.data();
+  }
+  if (beganWrong()) {
+    std::snprintf(text.data(), text.size(), "its first frames contradict it by %.1f px (limit %.1f px)",
+                  usualFrameError(), config_.max_error);
     return text.data();
   }
   if (bad_in_a_row_ == 0) return "";

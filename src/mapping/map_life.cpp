@@ -125,7 +125,7 @@ MapperOutput Mapper::Impl::giveUp(MapperOutput output) {
   const std::shared_ptr<Reference> last =
       closed("map " + std::to_string(map_->id()) + " was given up: " + health_.doubt());
   const auto bad = static_cast<KeyframeId>(health_.badInARow());
-  const bool young = health_.isYoung();
+  const bool young = health_.isYoung() || health_.beganWrong();
   if (map_->isMetric() && (young || health_.contradictsDepths())) initializer_.doubtDepths(health_.contradictsDepths());
   store_.forget(map_->id(), young || bad > map_->newestKeyframe() ? 0 : map_->newestKeyframe() + 1 - bad);
   const std::vector<FrameConstPtr> frames = young ? initial_frames_ : std::vector<FrameConstPtr>();

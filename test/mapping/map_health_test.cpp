@@ -52,6 +52,30 @@ TEST(MapHealth, AYoungMapIsWrongAtOnceAnOldOneIfItStaysSo) {
   EXPECT_TRUE(old.isYoung());
 }
 
+TEST(MapHealth, AMapThatItsFirstFramesContradictIsWrongUnlessAllAre) {
+  constexpr int kFirst = 16;
+  const auto track = [](MapHealth& health, double error) {
+    for (int i = 0; i < kFirst - 1; ++i) {
+      health.addFrame(error);
+      EXPECT_FALSE(health.isWrong()) << "a few frames say little";
+    }
+    health.addFrame(error);
+  };
+  MapHealth health({});
+  track(health, 0.6);
+  for (int i = 0; i < kFirst; ++i) health.addFrame(1.5);
+  EXPECT_FALSE(health.isWrong()) << "heavy blur, later";
+  health.reset();
+  for (int map = 0; map < 2; ++map) {
+    track(health, 1.5);
+    EXPECT_TRUE(health.isWrong());
+    EXPECT_NE(health.doubt().find("1.5 px (limit 1.0 px)"), std::string::npos) << health.doubt();
+    health.reset();
+  }
+  track(health, 1.5);
+  EXPECT_FALSE(health.isWrong()) << "so it is with this camera";
+}
+
 TEST(MapHealth, ResidualGateOfFramesIsTheirMedianOfLate) {
   MapHealth health({});
   EXPECT_EQ(health.usualFrameError(), 0.0);

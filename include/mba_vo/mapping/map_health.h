@@ -37,8 +37,10 @@ class MapHealth {
   void addKeyframe(double error);
   /// How measured depths and images agreed then: where they do not, the map is wrong.
   void addDepths(const DepthAgreement& depths);
-  /// A tracked frame's error [px].
+  /// A tracked frame's error [px]. A map whose first frames contradict it is wrong, too; two that begin so one after
+  /// the other are not to blame: the camera is not well known.
   void addFrame(double error);
+  /// Another map begins.
   void reset();
 
   /// Why poses of this map are not to be relied on now; empty if they are.
@@ -48,6 +50,8 @@ class MapHealth {
   /// Keyframes that were bad in a row, the newest among them.
   int badInARow() const { return bad_in_a_row_; }
   bool isYoung() const;
+  /// Its first frames contradict it: nothing of it is of use.
+  bool beganWrong() const;
   bool contradictsDepths() const { return depths_.fails(); }
   /// What frames of this map usually have [px], 0 before the first.
   double usualFrameError() const;
@@ -62,6 +66,8 @@ class MapHealth {
   DepthAgreement depths_;
   int bad_in_a_row_ = 0;
   int wrong_in_a_row_ = 0;
+  bool contradicted_ = false;      // by its first frames
+  int contradicted_in_a_row_ = 0;  // maps
 };
 
 }  // namespace mba_vo
