@@ -33,7 +33,7 @@ MapperOutput Mapper::Impl::process(const TrackedFrameConstPtr& frame, bool has_t
   recovery_.find();
   frames_without_reference_ = 0;
   health_.addFrame(frame->pixel_error);
-  if (health_.isWrong()) return giveUp({});
+  if (health_.beganWrong()) return giveUp({});
   if (frame->provisional) {
     store_.addFrame(*frame);
     return {};
