@@ -61,7 +61,7 @@ void MapHealth::addDepths(const DepthAgreement& depths) { depths_ = depths; }
 void MapHealth::addFrame(double error) {
   frame_errors_.push_back(error);
   if (frame_errors_.size() > kMostFrames) frame_errors_.pop_front();
-  if (frame_errors_.size() != kFirstFrames) return;
+  if (!judges_beginning_ || frame_errors_.size() != kFirstFrames) return;
   contradicted_ = usualFrameError() > config_.max_error;
   contradicted_in_a_row_ = contradicted_ ? contradicted_in_a_row_ + 1 : 0;
 }

@@ -185,6 +185,7 @@ MapperOutput Mapper::Impl::handleLost(const TrackedFrame& frame, bool has_time) 
 MapperOutput Mapper::Impl::goOnFrom(const Relocalizer::Found& found, MapperOutput output) {
   const bool begins = phase_ == MappingPhase::kLocating;
   const bool departed = begins || !map_->has(found.keyframe);
+  if (begins) health_.trustBeginning();
   if (departed) {
     if (!begins) loops_.changeWindow(*map_, found.keyframe, store_);
     if (begins) calibration_before_map_ = *calibration_;

@@ -74,6 +74,10 @@ TEST(MapHealth, AMapThatItsFirstFramesContradictIsWrongUnlessAllAre) {
   }
   track(health, 1.5);
   EXPECT_FALSE(health.isWrong()) << "so it is with this camera";
+  MapHealth of_earlier_map({});
+  of_earlier_map.trustBeginning();
+  track(of_earlier_map, 1.5);
+  EXPECT_FALSE(of_earlier_map.isWrong()) << "it was right when it was saved";
 }
 
 TEST(MapHealth, ResidualGateOfFramesIsTheirMedianOfLate) {

@@ -53,6 +53,27 @@ TEST(Mapper, AMapThatContradictsItsImagesIsGivenUpAndItsPosesForgotten) {
   EXPECT_EQ(closed, output.reference->id.map_id == map);
 }
 
+TEST(Mapper, AMapThatItsFirstFramesContradictIsGivenUpAndItsPosesForgotten) {
+  Mapper mapper(config());
+  const Initialised initial = initialise(mapper);
+  ASSERT_NE(initial.output.reference, nullptr);
+  const ReferenceId first = initial.output.reference->id;
+  MapperOutput output;
+  int used = 0;
+  while (output.message.find("was given up") == std::string::npos && used < 30) {
+    const FrameConstPtr& next = frames().at(static_cast<std::size_t>(initial.frames_used + used++));
+    auto badly = std::make_shared<TrackedFrame>(*report(next, TrackingStatus::kDegraded, first));
+    badly->pixel_error = 1.5;
+    badly->provisional = true;  // no keyframe comes of it, by which the map could be judged
+    output = mapper.process(badly);
+  }
+  EXPECT_EQ(used, 16);
+  EXPECT_NE(output.message.find("its first frames contradict it"), std::string::npos) << output.message;
+  ASSERT_NE(output.reference, nullptr);
+  EXPECT_TRUE(output.reference->cause == ReferenceCause::kMapClosed || output.reference->id.map_id != first.map_id);
+  for (const TrajectoryEntry& entry : mapper.trajectory()) EXPECT_NE(entry.map_id, first.map_id);
+}
+
 TEST(Mapper, BeingLostForLongBeginsANewMapWithANewId) {
   Mapper mapper(config());
   ASSERT_NE(initialise(mapper).output.reference, nullptr);

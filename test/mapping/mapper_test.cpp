@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mapping/follower.h"
 #include "mapping/mapper_fixture.h"
 
 namespace mba_vo::test::mapper_test {
@@ -216,6 +217,28 @@ TEST(Mapper, ResetForgetsTheMapButNotTheTrajectory) {
   const Initialised again = initialise(mapper, 20.0);
   ASSERT_NE(again.output.reference, nullptr);
   EXPECT_EQ(again.output.reference->id.map_id, 2U);
+}
+
+TEST(Mapper, ASavedMapHasKeyframesAsTheyWereWhenTheyLeftTheWindowOrAreNow) {
+  MapperConfig small = config();
+  small.window.max_keyframes = small.window.min_keyframes = 3;
+  Mapper mapper(small);
+  Follower follower(mapper);
+  for (int i = 0; i < 5; ++i) follower.toNextKeyframe();
+  const KeyframeId newest = mapper.currentReference()->id.keyframe_id;
+  int departed = 0;
+  const SavedMap saved = mapper.savedMap().value();
+  for (const ArchivedKeyframe& keyframe : saved.keyframes) {
+    const KeyframeId id = keyframe.reference.id.keyframe_id;
+    const KeyframeId known = keyframe.reference.T_map_keyframe.rbegin()->first;  // the newest at that time
+    if (mapper.currentReference()->T_map_keyframe.count(id) > 0) {
+      EXPECT_EQ(known, newest) << id;
+    } else {
+      EXPECT_GT(known, id);
+      ++departed;
+    }
+  }
+  EXPECT_GE(departed, 2);
 }
 
 }  // namespace

@@ -42,6 +42,8 @@ class MapHealth {
   void addFrame(double error);
   /// Another map begins.
   void reset();
+  /// It is one of an earlier run: how the first frames here fit says nothing of how it began.
+  void trustBeginning() { judges_beginning_ = false; }
 
   /// Why poses of this map are not to be relied on now; empty if they are.
   std::string doubt() const;
@@ -66,6 +68,7 @@ class MapHealth {
   DepthAgreement depths_;
   int bad_in_a_row_ = 0;
   int wrong_in_a_row_ = 0;
+  bool judges_beginning_ = true;
   bool contradicted_ = false;      // by its first frames
   int contradicted_in_a_row_ = 0;  // maps
 };
