@@ -12,13 +12,14 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kImagesPerFrame = 3;          // tracked per added frame while catching up
-constexpr double kLongestGap = 0.5;         // [s] between frames that are used together
-constexpr double kRowTimeSpan = 0.3;        // [s] of images before a row time is looked for, ...
-constexpr int kRowTimeEvery = 3;            // ... with every third: docs/decisions/2026-11-29-first-attempt.md
-constexpr double kMaxReferenceBlur = 16.0;  // [px] for which a sharper frame is waited for (likewise) ...
-constexpr double kMaxReferenceWait = 1.0;   // ... this long [s]
-constexpr int kMostDepthDoubts = 2;         // from which on depth images are not used
+constexpr int kImagesPerFrame = 3;        // tracked per added frame while catching up
+constexpr double kLongestGap = 0.5;       // [s] between frames that are used together
+constexpr double kRowTimeSpan = 0.3;      // [s] of images before a row time is believed
+constexpr int kResidualsPerImage = 2500;  // of an attempt, for which there is time: 6.7 ms a thousand (Machine), 30 Hz
+constexpr double kMaxReferenceBlur =
+    16.0;  // [px] for which a sharper frame is waited for (2026-11-29-first-attempt) ...
+constexpr double kMaxReferenceWait = 1.0;  // ... this long [s]
+constexpr int kMostDepthDoubts = 2;        // from which on depth images are not used
 
 bool sameCamera(const PinholeCamera& a, const PinholeCamera& b) {
   return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
@@ -127,7 +128,8 @@ class Initializer::Impl {
   void reset() {
     buffer_.clear();
     metric_.reset();
-    since_attempt_ = 0;
+    rolling_ = false;
+    attempted_residuals_ = 0;
     reason_ = "collecting frames";
   }
 
@@ -141,10 +143,11 @@ class Initializer::Impl {
   }
 
   bool readyForAttempt() {
-    if (!buffer_.hasReference() || (structure_.find_row_time && buffer_.span() < kRowTimeSpan)) {
+    if (!buffer_.hasReference()) {
       reason_ = "collecting frames";
       return false;
     }
+    if (rolling_ && buffer_.span() < kRowTimeSpan) return false;
     if (static_cast<int>(buffer_.tracker().corners().size()) < structure_.min_points) {
       reason_ = "too little texture (" + std::to_string(buffer_.tracker().corners().size()) + " corners, " +
                 std::to_string(structure_.min_points) + " needed)";
@@ -154,7 +157,7 @@ class Initializer::Impl {
       reason_ = "waiting for a sharper frame";
       return false;
     }
-    return since_attempt_ >= (structure_.find_row_time ? kRowTimeEvery : 1);
+    return since_attempt_ * kResidualsPerImage >= attempted_residuals_;
   }
 
   std::unique_ptr<InitialMap> attempt() {
@@ -163,8 +166,10 @@ class Initializer::Impl {
     const StructureProblem problem = makeProblem(buffer_, view_of);
     const StructureEstimate estimate = estimateStructure(problem, structure_);
     reason_ = estimate.reason;
-    residuals_ = estimate.residuals;
-    return estimate.accepted ? makeMap(buffer_, view_of, estimate) : nullptr;
+    residuals_ = attempted_residuals_ = estimate.residuals;
+    rolling_ = estimate.row_time != 0.0;
+    if (rolling_ && buffer_.span() < kRowTimeSpan) reason_ = "a rolling shutter, of which more is to be seen";
+    return reason_.empty() ? makeMap(buffer_, view_of, estimate) : nullptr;
   }
 
   StructureConfig structure_;
@@ -172,7 +177,9 @@ class Initializer::Impl {
   MetricStart metric_;
   int depth_doubts_ = 0;
   std::string reason_ = "collecting frames";
-  int since_attempt_ = 0;  // images
+  bool rolling_ = false;         // the shutter, so it seems
+  int attempted_residuals_ = 0;  // in the last attempt
+  int since_attempt_ = 0;        // images
   int residuals_ = 0;
 };
 

@@ -48,7 +48,7 @@ MapperOutput Mapper::Impl::initialize(const FrameConstPtr& frame) {
   change(MappingEvent::kMapBegins);
   output.message = "map " + std::to_string(map_->id()) + " initialised with " + std::to_string(initial->points.size()) +
                    (initial->metric ? " measured points" : " points");
-  output.keyframe = begin(std::move(initial), motion);
+  begin(std::move(initial), motion);
   initializer_.reset();
   output.reference = reference_;
   return output;
@@ -81,44 +81,38 @@ void Mapper::Impl::adoptExposure(InitialMap& initial) {
   for (FrameConstPtr& frame : initial_frames_) frame = adopted(frame);
 }
 
-std::optional<KeyframeReport> Mapper::Impl::begin(std::unique_ptr<InitialMap> initial, const BodyMotion& motion) {
+void Mapper::Impl::begin(std::shared_ptr<const InitialMap> initial, const BodyMotion& motion) {
   const FrameConstPtr frame = initial->reference;
   first_keyframe_ns_ = frame->mid_exposure_ns;
   const ExposureTrajectory start{SE3(), motion.velocity, frame->exposure.value_or(config_.tracker.unknown_exposure),
                                  motion.acceleration};
-  const KeyframeId first = map_->newestKeyframe();
-  reference_ = snapshot(ReferenceCause::kMapBegins, first);
-  integrate(referenceItself(*reference_, frame, start), true);
-  recovery_.keep(*reference_, *frame);
-  deblur(frame);
-  std::optional<KeyframeReport> second = goAlong(*initial);
-  last_ = newestOf(*initial, start);
   const std::shared_ptr<Reference> reference = snapshot(ReferenceCause::kMapBegins, map_->newestKeyframe());
-  last_.trajectory.T_reference_mid = reference->T_map_reference.inverse() * store_.T_map_keyframe(map_->id(), first) *
-                                     last_.trajectory.T_reference_mid;
-  last_keyframe_ = reference->id.keyframe_id;
-  reference->hint = last_;
+  reference->hint = newestOf(*initial, start);
   reference_ = reference;
+  integrate(referenceItself(*reference, frame, start), true);
+  recovery_.keep(*reference, *frame);
+  deblur(frame);
+  last_ = *reference->hint;
   selector_.restart(last_.mid_exposure_ns, reference->T_map_reference * last_.trajectory.T_reference_mid);
-  deferred_.begin(std::move(initial), MotionState(start, frame->mid_exposure_ns), initial_frames_,
-                  last_.mid_exposure_ns, map_->makeReference(first));
-  return second;
+  deferred_.begin(initial, MotionState(start, frame->mid_exposure_ns), initial_frames_, last_.mid_exposure_ns,
+                  reference);
+  initial_ = std::move(initial);
 }
 
-std::optional<KeyframeReport> Mapper::Impl::goAlong(const InitialMap& initial) {
-  const std::vector<InitialFrame> frames = trackInitialFrames(config_, initial, *reference_);
+MapperOutput Mapper::Impl::goAlong() {
+  MapperOutput output;
+  const std::shared_ptr<const InitialMap> initial = std::exchange(initial_, nullptr);
+  const std::vector<InitialFrame> frames = trackInitialFrames(config_, *initial, *reference_);
+  output.initial_frames = static_cast<int>(frames.size());
   for (const InitialFrame& frame : frames) map_->searchDepths(*frame.tracked);
-  if (frames.empty()) return std::nullopt;
+  if (frames.empty()) return output;
   const TrackedFrameConstPtr& newest = frames.back().tracked;
   const KeyframePolicy policy(config_.keyframe);
-  if (!policy.takes(*reference_, newest->measures, newest->brightness)) return std::nullopt;
-  if (newest->measures.blur_length_px > config_.window.long_blur_px) return std::nullopt;
+  if (!policy.takes(*reference_, newest->measures, newest->brightness)) return output;
+  if (newest->measures.blur_length_px > config_.window.long_blur_px) return output;
   store_.addFrame(*newest);
-  KeyframeReport report = map_->insertKeyframe(*newest, frames.back().motion);
-  while (map_->refineWindow(report)) {
-  }
-  complete(report, newest, true);
-  return report;
+  insertKeyframe(newest, frames.back().motion, output);
+  return output;
 }
 
 MapperOutput Mapper::Impl::giveUp(MapperOutput output) {
@@ -150,8 +144,9 @@ MapperOutput Mapper::Impl::giveUp(MapperOutput output) {
 
 MapperOutput Mapper::Impl::handleLost(const TrackedFrame& frame, bool has_time) {
   MapperOutput output;
+  initial_.reset();
   if (const TrackedFrameConstPtr chosen = selector_.takeNow()) {
-    insertKeyframe(chosen, output);
+    insertKeyframe(chosen, selector_.motion(), output);
     return output;
   }
   if (phase_ == MappingPhase::kRefining) refineNoFurther(output);
@@ -255,6 +250,7 @@ void Mapper::Impl::forgetMap() {
   change(MappingEvent::kMapClosed);
   if (map_) next_keyframe_id_ = map_->newestKeyframe() + 1;
   refining_.reset();
+  initial_.reset();
   map_.reset();
   reference_.reset();
   initializer_.reset();

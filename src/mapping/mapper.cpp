@@ -41,7 +41,9 @@ MapperOutput Mapper::Impl::process(const TrackedFrameConstPtr& frame, bool has_t
   MapperOutput output;
   takeSharpKeyframe(output);
   output.searched_depths = has_time;
-  if (const TrackedFrameConstPtr chosen = integrate(frame, has_time)) insertKeyframe(chosen, output);
+  if (const TrackedFrameConstPtr chosen = integrate(frame, has_time)) {
+    insertKeyframe(chosen, selector_.motion(), output);
+  }
   deblurring_.beginNext(*map_, frame->frame->mid_exposure_ns);
   return output;
 }
@@ -76,19 +78,21 @@ TrackedFrameConstPtr Mapper::Impl::integrate(const TrackedFrameConstPtr& frame, 
   return chosen;
 }
 
-void Mapper::Impl::insertKeyframe(const TrackedFrameConstPtr& chosen, MapperOutput& output) {
+void Mapper::Impl::insertKeyframe(const TrackedFrameConstPtr& chosen, const BodyMotion& motion, MapperOutput& output) {
+  initial_.reset();  // what leads to a second keyframe is not needed any more
   if (phase_ == MappingPhase::kRefining) refineNoFurther(output);
   change(MappingEvent::kKeyframe);
-  refining_ = {chosen, map_->insertKeyframe(*chosen, selector_.motion())};
+  refining_ = {chosen, map_->insertKeyframe(*chosen, motion)};
   output.inserted = true;
   output.residuals = refining_->report.activation_residuals;
   output.reference = reference_ = snapshot(ReferenceCause::kKeyframe, map_->newestKeyframe(), health_.doubt());
 }
 
 MapperOutput Mapper::Impl::refine() {
+  if (initial_) return goAlong();
   MapperOutput output;
   if (phase_ != MappingPhase::kRefining) {
-    insertKeyframe(selector_.takeReady(), output);
+    insertKeyframe(selector_.takeReady(), selector_.motion(), output);
     return output;
   }
   output.refinement = true;

@@ -21,7 +21,7 @@ class Mapper::Impl {
   Impl(const MapperConfig& config, std::shared_ptr<const Deblurrer> deblurrer);
 
   MapperOutput process(const TrackedFrameConstPtr& frame, bool has_time);
-  bool needsRefinement() const { return phase_ == MappingPhase::kRefining || selector_.hasReady(); }
+  bool needsRefinement() const { return initial_ || phase_ == MappingPhase::kRefining || selector_.hasReady(); }
   MapperOutput refine();
   void watchSharpKeyframes(bool watched) { deblurring_.setWatched(watched); }
   bool doDeferredWork() { return map_ && deferred_.doNext(*map_, store_); }
@@ -54,7 +54,7 @@ class Mapper::Impl {
   void takeSharpKeyframe(MapperOutput& output);
   /// Returns it, or the one before, if it is to become a keyframe now.
   TrackedFrameConstPtr integrate(const TrackedFrameConstPtr& frame, bool has_time);
-  void insertKeyframe(const TrackedFrameConstPtr& chosen, MapperOutput& output);
+  void insertKeyframe(const TrackedFrameConstPtr& chosen, const BodyMotion& motion, MapperOutput& output);
   /// The keyframe that is being refined has to do with what there is.
   void refineNoFurther(MapperOutput& output);
   void finishRefining(bool refined, MapperOutput& output);
@@ -85,9 +85,10 @@ class Mapper::Impl {
   void adoptExposure(InitialMap& initial);
   /// The first reference, with a hint about the newest frame whose pose the initialiser knows: the tracker goes on from
   /// there. Those that came before are tracked, for the trajectory, when there is time.
-  std::optional<KeyframeReport> begin(std::unique_ptr<InitialMap> initial, const BodyMotion& motion);
-  /// Where the camera is by now is the second keyframe, if it has moved on since the initial map's reference.
-  std::optional<KeyframeReport> goAlong(const InitialMap& initial);
+  void begin(std::shared_ptr<const InitialMap> initial, const BodyMotion& motion);
+  /// Frames that the map was made of tell more of its depths, and where the camera was with the newest of them is the
+  /// second keyframe, if it had moved on since the reference. Not what the tracker waits for.
+  MapperOutput goAlong();
   /// The map is wrong. Its last poses are forgotten, all of them if it has only just begun; the tracker is told to
   /// leave it. What a young map was made of may hold a better one.
   MapperOutput giveUp(MapperOutput output);
@@ -126,6 +127,7 @@ class Mapper::Impl {
   LoopClosing loops_;
   std::optional<std::int64_t> newest_without_map_ns_;  // of the frames in which a map, or the camera, was looked for
   std::vector<FrameConstPtr> initial_frames_;          // that the initialiser had when the map began
+  std::shared_ptr<const InitialMap> initial_;          // until its frames have led to the second keyframe
   std::int64_t first_keyframe_ns_ = 0;
   TrackingHint last_;  // the newest tracked frame, relative to last_keyframe_
   KeyframeId last_keyframe_ = 0;

@@ -47,6 +47,8 @@ StepTime Machine::timeFor(const MapperStep& step) const {
       if (output.residuals > 0 && !output.keyframe && !output.inserted) {
         optimisation = iteration + iteration_per_1000 * thousands(output);
       }
+      serial += output.initial_frames * track;
+      search += output.initial_frames * depth_search;
       break;
     case MapperStep::Kind::kPassed:
       break;

@@ -97,7 +97,9 @@ void Odometry::map(const TrackerMessage& message, std::uint64_t frame, OdometryR
   while (const std::optional<MapperStep> step = mapperStep()) {
     if (step->isOfFrame()) result.mapping.push_back(step->output);
     // Without delay the very next frame has it. A draft is for those who cannot wait.
-    if (step->output.reference && !mapper_.mapper().needsRefinement()) {
+    const ReferenceConstPtr& reference = step->output.reference;
+    const bool begins = reference && reference->cause == ReferenceCause::kMapBegins;
+    if (reference && (begins || !mapper_.mapper().needsRefinement())) {
       pending_.push_back({frame + static_cast<std::uint64_t>(reference_delay_frames_) + 1, step->reference});
     }
   }

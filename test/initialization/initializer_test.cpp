@@ -145,6 +145,19 @@ TEST(Initializer, AMapBeginsAsSoonAsItCan) {
   }
 }
 
+TEST(Initializer, OnlyARollingShutterIsWaitedFor) {
+  // Nobody told the row time. Where the images show none, nothing is waited for; else 0.3 s of them come first.
+  const auto frames_until_map = [](double row_time) {
+    Initializer initializer(InitializerConfig(), {}, true);
+    int frames = 0;
+    while (frames < 40 && !initializer.add(renderRollingFrame(Scene(), frames, 1.0, row_time))) ++frames;
+    return frames + 1;
+  };
+  EXPECT_LE(frames_until_map(0.0), 8);
+  EXPECT_GE(frames_until_map(1e-4), 11);
+  EXPECT_LE(frames_until_map(1e-4), 20);
+}
+
 TEST(Initializer, MedianDepthIsOneAndPosesAreInOrder) {
   const Outcome result = run(Scene(), 0.4, 40);
   ASSERT_TRUE(result.map) << result.reason;

@@ -19,6 +19,7 @@ class Follower {
   explicit Follower(Mapper& mapper, const std::vector<FrameConstPtr>& images = frames())
       : mapper_(mapper), images_(images), tracker_(config().tracker) {
     begin(initialise(mapper, images).output.reference);
+    adopt(mapper.currentReference());
   }
 
   /// Goes on from a reference of another map, or one by which the camera was found.
@@ -43,10 +44,7 @@ class Follower {
     MapperOutput output = mapper_.process(tracked);
     if (mapper_.needsRefinement()) draft_ = output.reference;
     while (mapper_.needsRefinement()) output = mapper_.refine();
-    if (!output.reference) return output;
-    const SE3& T_map_old = output.reference->T_map_keyframe.at(reference_->id.keyframe_id);
-    motion_.changeReference(output.reference->T_map_reference.inverse() * T_map_old);
-    reference_ = output.reference;
+    if (output.reference) adopt(output.reference);
     return output;
   }
 
@@ -67,6 +65,12 @@ class Follower {
   }
 
  private:
+  void adopt(const ReferenceConstPtr& reference) {
+    const SE3& T_map_old = reference->T_map_keyframe.at(reference_->id.keyframe_id);
+    motion_.changeReference(reference->T_map_reference.inverse() * T_map_old);
+    reference_ = reference;
+  }
+
   Mapper& mapper_;
   const std::vector<FrameConstPtr>& images_;
   Tracker tracker_;

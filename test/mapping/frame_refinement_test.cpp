@@ -78,8 +78,11 @@ TEST(FrameRefinement, LeavesAFrameThatWasKnownBetter) {
 }
 
 TEST(FrameRefinement, MovesAFrameThatCannotBeTrackedBetterToWhereTheKeyframesSay) {
-  const Outcome moved = tellAWrongPose(eager(), {1e-6, kTurn, 1000.0});
-  EXPECT_LT(moved.turned, 0.6 * kTurn) << "the place between keyframes is known to 0.01 rad";
+  double turned = 0.0;  // mean over frames that are more or less in the middle
+  for (int keyframes_before = 1; keyframes_before <= 5; ++keyframes_before) {
+    turned += 0.2 * tellAWrongPose(eager(), {1e-6, kTurn, 1000.0, keyframes_before}).turned;
+  }
+  EXPECT_LT(turned, 0.6 * kTurn) << "the place between keyframes is known to 0.01 rad";
 }
 
 /// Some 20 px of blur where the wrong pose is told.

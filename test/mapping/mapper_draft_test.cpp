@@ -2,6 +2,7 @@
 #include <optional>
 
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 #include "mapping/follower.h"
 
@@ -64,6 +65,52 @@ TEST(MapperDraft, AKeyframeWhoseViewIsBeingLeftDoesNotWaitForTheOneBefore) {
   ASSERT_TRUE(last);
   EXPECT_GT(last->residuals, 0);
   EXPECT_LT(last->wanted_points, 0.8 * config().window.max_points) << "those before were not optimised at all";
+}
+
+/// Of a camera that moves three times as fast. The second image is the sharpest, and so the reference.
+std::vector<FrameConstPtr> everyThird() {
+  std::vector<FrameConstPtr> images;
+  for (std::size_t i = 0; i < frames().size(); i += 3) {
+    auto image = std::make_shared<Frame>(*frames()[i]);
+    image->mid_exposure_ns = frames()[0]->mid_exposure_ns + (image->mid_exposure_ns - frames()[0]->mid_exposure_ns) / 3;
+    const ImageLevel& level = image->pyramid.level(0);
+    cv::Mat1f soft;
+    cv::GaussianBlur(level.intensity, soft, {}, 1.0);
+    if (i != 3) image->pyramid = ImagePyramid(soft, level.camera, image->pyramid.levels());
+    images.push_back(image);
+  }
+  return images;
+}
+
+/// What the tracker waits for comes first; where the camera is by then is a keyframe only if it has moved on.
+TEST(MapperDraft, TheSecondKeyframeOfAMapComesAfterItsFirstReference) {
+  const std::vector<FrameConstPtr> images = everyThird();
+  for (const bool another_comes_first : {false, true}) {
+    Mapper mapper(config());
+    const Initialised initial = beginMap(mapper, images);
+    ASSERT_NE(initial.output.reference, nullptr);
+    EXPECT_EQ(initial.output.reference->id.keyframe_id, 0U);
+    EXPECT_FALSE(initial.output.inserted);
+    ASSERT_TRUE(mapper.needsRefinement());
+    if (another_comes_first) {
+      Vector6 turn = Vector6::Zero();
+      for (int i = 0; i < 2; ++i, turn(4) += 0.4) {
+        const FrameConstPtr& next = images.at(static_cast<std::size_t>(initial.frames_used + i));
+        mapper.process(report(next, TrackingStatus::kTracking, initial.output.reference->id, SE3::exp(turn)));
+      }
+      ASSERT_EQ(mapper.currentReference()->id.keyframe_id, 1U);
+      EXPECT_EQ(mapper.refine().initial_frames, 0);
+      continue;
+    }
+    const MapperOutput second = mapper.refine();
+    EXPECT_GE(second.initial_frames, 2);
+    ASSERT_TRUE(second.inserted);
+    EXPECT_EQ(second.reference->id.keyframe_id, 1U);
+    EXPECT_LT(second.reference->mid_exposure_ns, initial.output.reference->hint->mid_exposure_ns);
+    EXPECT_GT(second.reference->mid_exposure_ns, initial.output.reference->mid_exposure_ns);
+    EXPECT_TRUE(mapper.needsRefinement());
+    while (mapper.needsRefinement()) EXPECT_EQ(mapper.refine().initial_frames, 0);
+  }
 }
 
 /// It waits no longer than the view stays, and moves as the frames on both sides say, once there are two.

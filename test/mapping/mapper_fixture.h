@@ -67,7 +67,7 @@ struct Initialised {
 };
 
 /// Feeds images that no tracker could track, until there is a map.
-inline Initialised initialise(Mapper& mapper, const std::vector<FrameConstPtr>& images) {
+inline Initialised beginMap(Mapper& mapper, const std::vector<FrameConstPtr>& images) {
   Initialised result;
   for (const FrameConstPtr& frame : images) {
     ++result.frames_used;
@@ -75,6 +75,13 @@ inline Initialised initialise(Mapper& mapper, const std::vector<FrameConstPtr>& 
     if (result.output.reference) return result;
   }
   ADD_FAILURE() << "no map: " << result.output.message;
+  return result;
+}
+
+/// And until that is finished, with its second keyframe. The output is that of its beginning.
+inline Initialised initialise(Mapper& mapper, const std::vector<FrameConstPtr>& images) {
+  const Initialised result = beginMap(mapper, images);
+  while (mapper.needsRefinement()) mapper.refine();
   return result;
 }
 

@@ -27,7 +27,7 @@ TEST(Mapper, SaysWhyThereIsNoMapYet) {
 
 TEST(Mapper, TheFirstReferenceTellsWhereItsFrameIs) {
   Mapper mapper(config());
-  const Initialised initial = initialise(mapper);
+  const Initialised initial = beginMap(mapper, frames());
   ASSERT_NE(initial.output.reference, nullptr);
   const Reference& reference = *initial.output.reference;
   EXPECT_EQ(mapper.currentReference(), initial.output.reference);
@@ -68,7 +68,7 @@ TEST(Mapper, MapsOfAMapperThatWasThereBeforeAreNotNumberedAgain) {
   of_before.map_id = 7;
   MapperOutput output;
   for (std::size_t i = 0; i < frames().size() && !output.reference; ++i) {
-    output = whole(mapper, report(frames()[i], TrackingStatus::kTracking, of_before));
+    output = mapper.process(report(frames()[i], TrackingStatus::kTracking, of_before));
   }
   ASSERT_NE(output.reference, nullptr);
   EXPECT_EQ(output.reference->id.map_id, 8U);

@@ -140,6 +140,14 @@ TEST(Machine, AKeyframeTakesItsTimeAlsoWhileTheTrackerHasNoReference) {
   EXPECT_NEAR(made().timeFor(last).sum(), 1e-3 * made().keyframe, 1e-12);
 }
 
+TEST(Machine, FramesThatLeadToTheSecondKeyframeAreTrackedAndSearched) {
+  MapperStep along = frameStep(TrackingStatus::kTracking);
+  along.kind = MapperStep::Kind::kRefinement;
+  along.output = MapperOutput();
+  along.output.initial_frames = 3;
+  EXPECT_NEAR(made().timeFor(along).sum(), 3e-3 * (made().track + made().depth_search), 1e-12);
+}
+
 TEST(MachineMeter, TwiceAsSlowIsTwiceAsSlow) {
   const Machine found = metered(made().slowedBy(2.0)).machine();
   EXPECT_NEAR(found.track_per_px, 1.0, 1e-9);

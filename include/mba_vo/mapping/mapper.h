@@ -24,6 +24,7 @@ struct MapperOutput {
   bool refinement = false;                      // a piece of that of a keyframe: it is of no frame
   bool searched = false;                        // for a frame that the tracker lost, among the keyframes
   bool searched_depths = false;                 // in the frame
+  int initial_frames = 0;                       // of those that the map was made of: tracked, depths searched in them
   int residuals = 0;                            // that the optimisation, or what it was instead, went through
   std::optional<KeyframeReport> keyframe;       // set if one has been refined, or had to do with what there was
   std::optional<SharpKeyframe> sharp_keyframe;  // set if one has been deblurred
@@ -46,7 +47,7 @@ class Mapper {
   /// use at once: the reference in the output is a snapshot of it, a draft. It waits for refine(), which may be called
   /// between frames, or after them. When the view is being left, the next one is inserted before that is done.
   MapperOutput process(const TrackedFrameConstPtr& frame, bool has_time = true);
-  /// Whether there is a keyframe to be refined, or one to be inserted that waited for this.
+  /// Whether there is a keyframe to be refined, or one to be inserted that waited for this, as a map's second one may.
   bool needsRefinement() const;
   /// Does a piece of it: an iteration of the window's optimisation. After the last one, the output has the better
   /// snapshot of the keyframe.
