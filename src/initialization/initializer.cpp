@@ -16,8 +16,8 @@ constexpr int kImagesPerFrame = 3;        // tracked per added frame while catch
 constexpr double kLongestGap = 0.5;       // [s] between frames that are used together
 constexpr double kRowTimeSpan = 0.3;      // [s] of images before a row time is believed
 constexpr int kResidualsPerImage = 2500;  // of an attempt, for which there is time: 6.7 ms a thousand (Machine), 30 Hz
-constexpr double kMaxReferenceBlur =
-    16.0;  // [px] for which a sharper frame is waited for (2026-11-29-first-attempt) ...
+// [px] for which a sharper frame is waited for (docs/decisions/2026-11-29-first-attempt.md) ...
+constexpr double kMaxReferenceBlur = 16.0;
 constexpr double kMaxReferenceWait = 1.0;  // ... this long [s]
 constexpr int kMostDepthDoubts = 2;        // from which on depth images are not used
 

@@ -13,11 +13,6 @@ constexpr double kFailedLeap = 2.0;  // alignments: desk on one core, 28 ms wher
 
 double thousands(const MapperOutput& output) { return 1e-3 * output.residuals; }
 
-bool beginsMap(const MapperStep& step) {
-  const ReferenceConstPtr& reference = step.output.reference;
-  return reference && reference->cause == ReferenceCause::kMapBegins;
-}
-
 }  // namespace
 
 double Machine::secondsFor(const TrackerStep& step) const {
@@ -57,7 +52,7 @@ StepTime Machine::timeFor(const MapperStep& step) const {
     serial += draft;
     activation = draft_per_1000 * thousands(output);
   }
-  if (output.keyframe && !beginsMap(step)) serial += keyframe;
+  if (output.keyframe) serial += keyframe;
   const double parallel =
       kParallelSearch * search + kParallelOptimisation * optimisation + kParallelActivation * activation;
   serial += search + optimisation + activation - parallel;
@@ -70,7 +65,7 @@ double Machine::millisecondsWithoutMap(const MapperStep& step) const {
   if (step.output.searched) return relocalize;
   if (tracked.status != TrackingStatus::kInitializing || !step.had_time || step.cause.has_reference) return 0.0;
   const double attempt = look_for_map + look_for_map_per_1000 * thousands(step.output);
-  return beginsMap(step) ? attempt + first_map : attempt;
+  return step.output.beginsMap() ? attempt + first_map : attempt;
 }
 
 Machine Machine::slowedBy(double factor) const {

@@ -57,7 +57,7 @@ void MachineMeter::addFrame(const MapperStep& step, double ms) {
   const double thousands = step.output.residuals / kThousand;
   if (step.output.searched) {
     relocalize_.add(ms);
-  } else if (step.output.reference && step.output.reference->cause == ReferenceCause::kMapBegins) {
+  } else if (step.output.beginsMap()) {
     first_map_.add(std::max(0.0, ms - look_for_map_.at(thousands)));
   } else if (step.output.inserted) {
     // Depths are searched in that frame first, as in others.

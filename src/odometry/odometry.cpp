@@ -97,9 +97,8 @@ void Odometry::map(const TrackerMessage& message, std::uint64_t frame, OdometryR
   while (const std::optional<MapperStep> step = mapperStep()) {
     if (step->isOfFrame()) result.mapping.push_back(step->output);
     // Without delay the very next frame has it. A draft is for those who cannot wait.
-    const ReferenceConstPtr& reference = step->output.reference;
-    const bool begins = reference && reference->cause == ReferenceCause::kMapBegins;
-    if (reference && (begins || !mapper_.mapper().needsRefinement())) {
+    const bool is_draft = !step->output.beginsMap() && mapper_.mapper().needsRefinement();
+    if (step->output.reference && !is_draft) {
       pending_.push_back({frame + static_cast<std::uint64_t>(reference_delay_frames_) + 1, step->reference});
     }
   }

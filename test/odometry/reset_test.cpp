@@ -125,9 +125,9 @@ TEST_P(ResetOfTheOdometry, LeavesNothingBehindButTheTrajectory) {
 }
 
 const OdometryState kOdometryStates[] = {
-    {"Initializing", -100.0, 10, 0, "INITIALIZING"},
-    {"WithAReferenceOnItsWay", 100.0, 17, 0, "INITIALIZING"},
-    {"CatchingUp", -100.0, 18, 0, "TRACKING, others late"},
+    {"Initializing", -100.0, 7, 0, "INITIALIZING"},
+    {"WithAReferenceOnItsWay", 100.0, 13, 0, "INITIALIZING"},
+    {"CatchingUp", -100.0, 14, 0, "TRACKING, others late"},
     {"Tracking", -100.0, 39, 0, "TRACKING"},
     {"Lost", 100.0, 32, 6, "LOST"},
 };

@@ -30,6 +30,9 @@ struct MapperOutput {
   std::optional<SharpKeyframe> sharp_keyframe;  // set if one has been deblurred
   std::string message;                          // what happened, for the log and the status; may be empty
   bool is_news = false;                         // the message is to be told at once
+
+  /// The reference is the first of a map.
+  bool beginsMap() const { return reference && reference->cause == ReferenceCause::kMapBegins; }
 };
 
 /// Takes every TrackedFrame, initialises the map, refines depths, inserts keyframes, optimises the window and owns the

@@ -17,8 +17,8 @@ struct StepTime {
 /// 2.1 GHz: medians of machine.yaml of `taskset --cpu-list 0 mba_vo_offline` over desk, shake, kitchen and spin, the
 /// other core busy as it is in live runs, rounded. `relocalize` is of live runs of spin, and `look_for_map_per_1000` of
 /// kitchen: elsewhere too few frames were lost, or tries made; in kitchen pieces of the optimisation took equally long,
-/// and are not counted. `draft`, `iteration` and `keyframe` follow the code: what they were, times the ratio of two
-/// programs on another machine (docs/decisions/2026-11-29-point-budget.md).
+/// and are not counted. `draft`, `iteration`, `keyframe` and `first_map` follow the code: what they were, times the
+/// ratio of two programs on another machine (docs/decisions/2026-11-29-point-budget.md, 2026-11-29-first-pose.md).
 struct Machine {
   double cores = 2.0;                  // that can be used at a time
   double image = 1.3;                  // a frame is made of an image
