@@ -1,5 +1,6 @@
 #include "extrinsic.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <ros/ros.h>
@@ -8,7 +9,16 @@
 
 namespace mba_vo {
 
-Extrinsic::Extrinsic(std::string base_frame, double wait) : base_frame_(std::move(base_frame)), wait_(wait) {}
+namespace {
+
+const ros::WallDuration kWaitForAnything(0.2);  // a map takes longer to begin: docs/decisions/2026-11-29-first-pose.md
+
+}  // namespace
+
+Extrinsic::Extrinsic(std::string base_frame, double wait)
+    : base_frame_(std::move(base_frame)),
+      wait_(wait),
+      listener_(std::make_unique<tf2_ros::TransformListener>(buffer_)) {}
 
 void Extrinsic::setCamera(const std::string& camera_frame) {
   if (camera_frame_ == camera_frame) {
@@ -16,8 +26,15 @@ void Extrinsic::setCamera(const std::string& camera_frame) {
   }
   camera_frame_ = camera_frame;
   T_base_camera_.reset();
-  deadline_ = ros::SteadyTime::now() + wait_;
-  listener_ = std::make_unique<tf2_ros::TransformListener>(buffer_);
+  begin_ = ros::SteadyTime::now();
+  if (!listener_) {
+    listener_ = std::make_unique<tf2_ros::TransformListener>(buffer_);
+  }
+}
+
+bool Extrinsic::isTimeUp() const {
+  const bool known = buffer_._frameExists(base_frame_) || buffer_._frameExists(*camera_frame_);
+  return ros::SteadyTime::now() >= begin_ + (known ? wait_ : std::min(wait_, kWaitForAnything)) || !ros::ok();
 }
 
 bool Extrinsic::isSettled() {
@@ -30,7 +47,7 @@ bool Extrinsic::isSettled() {
   } else if (!camera.empty() && buffer_.canTransform(base_frame_, camera, ros::Time(0))) {
     ROS_INFO_STREAM("camera '" << camera << "' is mounted on '" << base_frame_ << "' as TF says");
     T_base_camera_ = fromTransformMsg(buffer_.lookupTransform(base_frame_, camera, ros::Time(0)).transform);
-  } else if (camera.empty() || ros::SteadyTime::now() >= deadline_ || !ros::ok()) {
+  } else if (camera.empty() || isTimeUp()) {
     ROS_INFO_STREAM("TF has no transform from '" << base_frame_ << "' to camera '" << camera << "': '" << base_frame_
                                                  << "' is the camera itself, x forward, z up");
     T_base_camera_ = T_body_optical();

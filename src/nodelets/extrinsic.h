@@ -16,7 +16,8 @@ namespace mba_vo {
 /// itself with the axes of REP-103.
 class Extrinsic {
  public:
-  /// `wait` [s] of wall time from a camera's first image on.
+  /// `wait` [s] of wall time from a camera's first image on, if TF knows one of the two frames by then; else it has
+  /// nothing to tell, and poses wait no longer than a map takes to begin.
   Extrinsic(std::string base_frame, double wait);
 
   /// From now on images of this camera (optical frame) come.
@@ -27,10 +28,12 @@ class Extrinsic {
   const SE3& T_base_camera();
 
  private:
+  bool isTimeUp() const;
+
   const std::string base_frame_;
   const ros::WallDuration wait_;
   std::optional<std::string> camera_frame_;
-  ros::SteadyTime deadline_;  // simulated time may stand still until the first image has been dealt with
+  ros::SteadyTime begin_;  // simulated time may stand still until the first image has been dealt with
   tf2_ros::Buffer buffer_;
   std::unique_ptr<tf2_ros::TransformListener> listener_;  // while it is not settled
   std::optional<SE3> T_base_camera_;

@@ -41,7 +41,6 @@ MapperStep firstMapStep(int residuals) {
   auto reference = std::make_shared<Reference>();
   reference->cause = ReferenceCause::kMapBegins;
   step.output.reference = reference;
-  step.output.keyframe = KeyframeReport();
   return step;
 }
 
