@@ -55,7 +55,8 @@ mba_vo_rostest(camera TIMEOUT 120)
 set(bag_folder folder:=${CMAKE_CURRENT_BINARY_DIR}/play_bag_test)
 mba_vo_rostest(play_bag TIMEOUT 520 ARGS ${bag_folder})
 mba_vo_rostest(deblurring TIMEOUT 320 ARGS ${bag_folder})
-mba_vo_rostest(lifecycle TIMEOUT 520 SOURCES ${ros_test_folder}/saved_map_test.cpp ARGS ${bag_folder})
+mba_vo_rostest(lifecycle TIMEOUT 520 SOURCES ${ros_test_folder}/saved_map_test.cpp
+  ${ros_test_folder}/extrinsic_test.cpp ARGS ${bag_folder})
 mba_vo_rostest(views TIMEOUT 320 ARGS ${bag_folder})
 set_tests_properties(mba_vo_rostest_deblurring mba_vo_rostest_lifecycle mba_vo_rostest_views PROPERTIES
   DEPENDS mba_vo_rostest_play_bag)  # which makes the bag

@@ -46,11 +46,11 @@ inline const Recording& recording() {
 class Robot {
  public:
   explicit Robot(const std::string& name, const std::shared_ptr<nodelet::Loader>& manager = nullptr,
-                 const std::string& transport = "raw")
+                 const std::string& transport = "raw", double extrinsic_wait = 0.0)
       : folder_((std::filesystem::temp_directory_path() / ("mba_vo_lifecycle_" + name)).string()) {
     std::filesystem::remove_all(folder_);
     ros::NodeHandle parameters("/" + name);
-    parameters.setParam("extrinsic_wait", 0.0);
+    parameters.setParam("extrinsic_wait", extrinsic_wait);
     parameters.setParam("path_period", 0.0);
     parameters.setParam("image_transport", transport);
     parameters.setParam("output_directory", folder_);
