@@ -27,7 +27,7 @@ struct Machine {
   double orientation = 7.8;            // the rotation of a frame is measured while there is no map
   double look_for_map = 16.0;          // the initialiser takes in a frame
   double look_for_map_per_1000 = 6.7;  // and for each thousand residuals of structure and motion
-  double first_map = 8.0;              // and makes a map
+  double first_map = 20.0;             // and makes a map
   double depth_search = 4.4;           // depths are searched in a frame
   double draft = 4.5;                  // a keyframe is inserted
   double draft_per_1000 = 1.4;         // and for each thousand residuals of new points
