@@ -12,10 +12,11 @@
 namespace mba_vo {
 namespace {
 
-constexpr int kImagesPerFrame = 3;        // tracked per added frame while catching up
-constexpr double kLongestGap = 0.5;       // [s] between frames that are used together
-constexpr double kRowTimeSpan = 0.3;      // [s] of images before a row time is believed
-constexpr int kResidualsPerImage = 2500;  // of an attempt, for which there is time: 6.7 ms a thousand (Machine), 30 Hz
+constexpr int kImagesPerFrame = 3;    // tracked per added frame while catching up
+constexpr double kLongestGap = 0.5;   // [s] between frames that are used together
+constexpr double kRowTimeSpan = 0.3;  // [s] of images before a row time is believed
+constexpr double kResidualsPerImage =
+    2500.0;  // of an attempt, for which there is time: 6.7 ms a thousand (Machine), 30 Hz
 // [px] for which a sharper frame is waited for (docs/decisions/2026-11-29-first-attempt.md) ...
 constexpr double kMaxReferenceBlur = 16.0;
 constexpr double kMaxReferenceWait = 1.0;  // ... this long [s]
@@ -130,6 +131,7 @@ class Initializer::Impl {
     metric_.reset();
     rolling_ = false;
     attempted_residuals_ = 0;
+    since_attempt_ = 0;
     reason_ = "collecting frames";
   }
 
@@ -168,7 +170,9 @@ class Initializer::Impl {
     reason_ = estimate.reason;
     residuals_ = attempted_residuals_ = estimate.residuals;
     rolling_ = estimate.row_time != 0.0;
-    if (rolling_ && buffer_.span() < kRowTimeSpan) reason_ = "a rolling shutter, of which more is to be seen";
+    if (reason_.empty() && rolling_ && buffer_.span() < kRowTimeSpan) {
+      reason_ = "a rolling shutter, of which more is to be seen";
+    }
     return reason_.empty() ? makeMap(buffer_, view_of, estimate) : nullptr;
   }
 

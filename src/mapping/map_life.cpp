@@ -101,6 +101,7 @@ void Mapper::Impl::begin(std::shared_ptr<const InitialMap> initial, const BodyMo
 
 MapperOutput Mapper::Impl::goAlong() {
   MapperOutput output;
+  output.refinement = true;
   const std::shared_ptr<const InitialMap> initial = std::exchange(initial_, nullptr);
   const std::vector<InitialFrame> frames = trackInitialFrames(config_, *initial, *reference_);
   output.initial_frames = static_cast<int>(frames.size());

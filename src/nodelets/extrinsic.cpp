@@ -1,6 +1,5 @@
 #include "extrinsic.h"
 
-#include <algorithm>
 #include <utility>
 
 #include <ros/ros.h>
@@ -26,15 +25,19 @@ void Extrinsic::setCamera(const std::string& camera_frame) {
   }
   camera_frame_ = camera_frame;
   T_base_camera_.reset();
-  begin_ = ros::SteadyTime::now();
+  first_image_ = ros::SteadyTime::now();
   if (!listener_) {
     listener_ = std::make_unique<tf2_ros::TransformListener>(buffer_);
   }
 }
 
 bool Extrinsic::isTimeUp() const {
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  if (now >= first_image_ + wait_ || !ros::ok()) {
+    return true;
+  }
   const bool known = buffer_._frameExists(base_frame_) || buffer_._frameExists(*camera_frame_);
-  return ros::SteadyTime::now() >= begin_ + (known ? wait_ : std::min(wait_, kWaitForAnything)) || !ros::ok();
+  return !known && now >= first_image_ + kWaitForAnything && now >= listening_since_ + wait_;
 }
 
 bool Extrinsic::isSettled() {

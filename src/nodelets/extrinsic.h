@@ -16,8 +16,8 @@ namespace mba_vo {
 /// itself with the axes of REP-103.
 class Extrinsic {
  public:
-  /// `wait` [s] of wall time from a camera's first image on, if TF knows one of the two frames by then; else it has
-  /// nothing to tell, and poses wait no longer than a map takes to begin.
+  /// `wait` [s] of wall time from a camera's first image on. A TF that knows neither of the two frames has nothing to
+  /// tell, if it had that long since this began to listen: then poses wait no longer than a map takes to begin.
   Extrinsic(std::string base_frame, double wait);
 
   /// From now on images of this camera (optical frame) come.
@@ -33,7 +33,9 @@ class Extrinsic {
   const std::string base_frame_;
   const ros::WallDuration wait_;
   std::optional<std::string> camera_frame_;
-  ros::SteadyTime begin_;  // simulated time may stand still until the first image has been dealt with
+  // Simulated time may stand still until the first image has been dealt with.
+  const ros::SteadyTime listening_since_ = ros::SteadyTime::now();
+  ros::SteadyTime first_image_;
   tf2_ros::Buffer buffer_;
   std::unique_ptr<tf2_ros::TransformListener> listener_;  // while it is not settled
   std::optional<SE3> T_base_camera_;

@@ -92,6 +92,18 @@ TEST(Mapper, BeingLostForLongBeginsANewMapWithANewId) {
   EXPECT_EQ(trajectory.back().map_id, 2U);
 }
 
+TEST(Mapper, AMapMayEndBeforeItsSecondKeyframe) {
+  for (const bool lost : {false, true}) {
+    Mapper mapper(config());
+    ASSERT_NE(beginMap(mapper, frames()).output.reference, nullptr);
+    ASSERT_TRUE(mapper.needsRefinement());
+    if (lost) mapper.process(report(shifted(elsewhere(frames()[0]), 10.0), TrackingStatus::kLost));
+    if (!lost) mapper.reset();
+    EXPECT_FALSE(mapper.needsRefinement());
+    EXPECT_EQ(mapper.currentReference() != nullptr, lost);
+  }
+}
+
 // On fast turns the last frame that was tracked has seen what comes next; to wait for the frame after it would lose it.
 TEST(Mapper, AFrameThatIsToBecomeAKeyframeDoesSoAtOnceWhenTheCameraIsLost) {
   const auto stepsUntilKeyframe = [](Mapper& mapper, int most, std::uint64_t& keyframe_frame) {

@@ -178,7 +178,7 @@ struct RunInABentMap {
       for (const MapperOutput& output : result.mapping) {
         moves += output.message.find(kMoved) == 0 ? 1 : 0;
         const std::size_t by = output.message.find("by keyframe ");
-        if (by == std::string::npos) continue;
+        if (by == std::string::npos || !in_map.empty()) continue;  // only where the run begins
         found_where_bent = std::stoul(output.message.substr(by + 12)) >= map->keyframes.size() / 2;
       }
     }

@@ -53,7 +53,7 @@ class Mapper {
   /// Whether there is a keyframe to be refined, or one to be inserted that waited for this, as a map's second one may.
   bool needsRefinement() const;
   /// Does a piece of it: an iteration of the window's optimisation. After the last one, the output has the better
-  /// snapshot of the keyframe.
+  /// snapshot of the keyframe. At the beginning of a map, the frames that it was made of are followed first.
   MapperOutput refine();
 
   /// Whether anybody looks at sharp keyframes: only then are those made that are not for the map.

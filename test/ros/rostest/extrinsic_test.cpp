@@ -8,8 +8,8 @@ namespace mba_vo::extrinsic_test {
 namespace {
 
 constexpr std::size_t kUntilMap = 25;     // images that are enough for a map, and some more
-constexpr double kLongestWait = 60.0;     // [s]
-constexpr double kMuchLess = 20.0;        // [s] than the longest wait
+constexpr double kLongestWait = 10.0;     // [s]
+constexpr double kMuchLess = 8.0;         // [s] than the longest wait
 constexpr double kUntilNothingComes = 1;  // [s] of a TF that knows neither frame nothing is expected by then
 
 geometry_msgs::TransformStamped transform(const std::string& parent, const std::string& child, double x) {
@@ -25,6 +25,7 @@ bool hasPose(const Outputs& outputs) { return !outputs.pose.empty(); }
 
 TEST(Extrinsic, ATfThatKnowsNeitherFrameIsNotWaitedFor) {
   Robot robot("untold", nullptr, "raw", kLongestWait);
+  ros::WallDuration(kLongestWait).sleep();  // in which it could have told
   robot.see(0, kUntilMap / 2);
   EXPECT_TRUE(robot.odometry->waitFor(hasPose, kMuchLess));
 }
@@ -34,6 +35,7 @@ TEST(Extrinsic, ATfThatKnowsTheBaseIsWaitedFor) {
   tf2_ros::StaticTransformBroadcaster tf;
   tf.sendTransform(transform("told_base", "told_wheel", 0.0));
   Robot robot("told", nullptr, "raw", kLongestWait);
+  ros::WallDuration(kLongestWait).sleep();
   robot.see(0, 2);
   ros::WallDuration(kUntilNothingComes).sleep();
   robot.see(2, 4);
