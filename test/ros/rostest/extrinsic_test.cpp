@@ -8,8 +8,8 @@ namespace mba_vo::extrinsic_test {
 namespace {
 
 constexpr std::size_t kUntilMap = 25;     // images that are enough for a map, and some more
-constexpr double kLongestWait = 10.0;     // [s]
-constexpr double kMuchLess = 8.0;         // [s] than the longest wait
+constexpr double kLongestWait = 20.0;     // [s]
+constexpr double kMuchLess = 8.0;         // [s] than the longest wait, of which Robot::see() may take 6
 constexpr double kUntilNothingComes = 1;  // [s] of a TF that knows neither frame nothing is expected by then
 
 geometry_msgs::TransformStamped transform(const std::string& parent, const std::string& child, double x) {
