@@ -15,8 +15,8 @@ namespace {
 constexpr int kImagesPerFrame = 3;    // tracked per added frame while catching up
 constexpr double kLongestGap = 0.5;   // [s] between frames that are used together
 constexpr double kRowTimeSpan = 0.3;  // [s] of images before a row time is believed
-constexpr double kResidualsPerImage =
-    2500.0;  // of an attempt, for which there is time: 6.7 ms a thousand (Machine), 30 Hz
+// Of an attempt, for which there is time between two images at 30 Hz: 16 ms and 6.7 ms a thousand (Machine).
+constexpr double kResidualsPerImage = 2500.0;
 // [px] for which a sharper frame is waited for (docs/decisions/2026-11-29-first-attempt.md) ...
 constexpr double kMaxReferenceBlur = 16.0;
 constexpr double kMaxReferenceWait = 1.0;  // ... this long [s]

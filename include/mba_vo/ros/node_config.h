@@ -55,8 +55,7 @@ struct NodeConfig {
     v("publish_tf", c.publish_tf, "broadcast map -> odom -> base and the two exposure frames");
     v("tf_prediction", c.tf_prediction, 0.0, 60.0,
       "while lost, TF goes on for so long as the camera last moved; 0 = it stops at once [s]");
-    v("extrinsic_wait", c.extrinsic_wait, 0.0, 60.0,
-      "longest wait for the transform from base to camera in a TF that knows one of them [s]");
+    v("extrinsic_wait", c.extrinsic_wait, 0.0, 60.0, "longest wait for the transform from base to camera in TF [s]");
     v("stamp_reference", c.stamp_reference, "what the stamps of the images refer to: start, middle or end of exposure");
     v("exposure_time", c.exposure_time, "[s], for all images; auto or nan: from the topic exposure, if any");
     v("exposure_wait", c.exposure_wait, 0.0, 10.0, "longest wait of an image for its exposure message [s]");
