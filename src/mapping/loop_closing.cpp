@@ -9,8 +9,6 @@
 #include <sstream>
 #include <utility>
 
-#include "mba_vo/mapping/local_map.h"
-
 namespace mba_vo {
 namespace {
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "mba_vo/mapping/local_map.h"
 #include "mba_vo/mapping/mapper_config.h"
 #include "mba_vo/pose_graph/loop_correction.h"
 #include "mba_vo/pose_graph/loop_queue.h"
@@ -17,8 +18,6 @@
 #include "mba_vo/trajectory/trajectory_store.h"
 
 namespace mba_vo {
-
-class LocalMap;
 
 /// What there is to be known about a trajectory in the end.
 struct SmoothedTrajectory {
