@@ -24,7 +24,7 @@ struct KeyframePolicyConfig {
 };
 
 /// Decides which frames become keyframes: parallax, image motion, visibility and brightness make the need; a blurred
-/// frame must be needed more than a sharp one.
+/// frame must be needed more than a sharp one. Of parallax less is enough while the map has few keyframes.
 class KeyframePolicy {
  public:
   explicit KeyframePolicy(const KeyframePolicyConfig& config) : config_(config) {}
