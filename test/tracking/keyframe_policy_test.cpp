@@ -53,31 +53,6 @@ TEST(KeyframePolicy, MotionParallaxVisibilityAndBrightnessEachAskForOne) {
   EXPECT_TRUE(takes(still(), {0.0, 0.0}, reference));
 }
 
-Reference ofWindow(KeyframeId keyframes) {
-  Reference reference;
-  for (KeyframeId id = 0; id < keyframes; ++id) reference.T_map_keyframe[id] = SE3();
-  return reference;
-}
-
-TEST(KeyframePolicy, AMapOfFewKeyframesWantsTheNextSooner) {
-  const KeyframePolicyConfig config;
-  FrameMeasures parallax = still();
-  parallax.parallax_px = 0.4 * config.parallax_px;
-  EXPECT_TRUE(takes(parallax, {}, ofWindow(2)));
-  EXPECT_FALSE(takes(parallax, {}, ofWindow(3)));
-  Reference metric = ofWindow(2);
-  metric.metric = true;
-  EXPECT_FALSE(takes(parallax, {}, metric));
-  parallax.parallax_px = 0.9 * config.parallax_px;
-  EXPECT_TRUE(takes(parallax, {}, ofWindow(5)));
-  EXPECT_FALSE(takes(parallax, {}, ofWindow(6)));
-  EXPECT_FALSE(takes(parallax, {}, ofWindow(30)));
-  // A turn alone lengthens no baseline.
-  FrameMeasures turn = still();
-  turn.flow_px = 0.9 * config.flow_px;
-  EXPECT_FALSE(takes(turn, {}, ofWindow(2)));
-}
-
 TEST(KeyframePolicy, NeedsAddUp) {
   const KeyframePolicyConfig config;
   FrameMeasures measures = still();

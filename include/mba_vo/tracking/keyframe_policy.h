@@ -15,7 +15,7 @@ struct KeyframePolicyConfig {
   template <typename Config, typename Visitor>
   static void describe(Config& c, Visitor& v) {
     v("flow_px", c.flow_px, 1.0, 1000.0, "rms image motion since the keyframe that asks for a new one [px]");
-    v("parallax_px", c.parallax_px, 1.0, 1000.0, "the same of the part caused by translation, in a map of six keyframes or more [px]");
+    v("parallax_px", c.parallax_px, 1.0, 1000.0, "the same of the part caused by translation [px]");
     v("brightness_change", c.brightness_change, 0.01, 10.0, "change of log brightness that asks for a new keyframe");
     v("min_visible_fraction", c.min_visible_fraction, 0.0, 1.0, "visible points that ask for a new keyframe");
     v("sharp_blur_px", c.sharp_blur_px, 0.0, 100.0, "blur up to which a frame is taken at once [px]");
@@ -24,7 +24,7 @@ struct KeyframePolicyConfig {
 };
 
 /// Decides which frames become keyframes: parallax, image motion, visibility and brightness make the need; a blurred
-/// frame must be needed more than a sharp one. Of parallax less is enough while the map has few keyframes.
+/// frame must be needed more than a sharp one.
 class KeyframePolicy {
  public:
   explicit KeyframePolicy(const KeyframePolicyConfig& config) : config_(config) {}
