@@ -7,8 +7,17 @@ namespace mba_vo {
 namespace {
 
 constexpr double kUrgentNeed = 2.2;  // no blur keeps a frame from being taken any longer
+// Of 4, 6 and 8: a map that began wrong is soonest right with 6 (docs/decisions/2026-11-30-keyframes-by-parallax.md).
+constexpr std::size_t kGrownWindow = 6;  // keyframes
+constexpr std::size_t kLeastWindow = 2;  // keyframes: first depths rest on two views, whether or not both are kept
 
 }  // namespace
+
+KeyframePolicy KeyframePolicy::forWindowOf(std::size_t keyframes) const {
+  KeyframePolicyConfig young = config_;
+  young.parallax_px *= static_cast<double>(std::clamp(keyframes, kLeastWindow, kGrownWindow)) / kGrownWindow;
+  return KeyframePolicy(young);
+}
 
 double KeyframePolicy::need(const Reference& reference, const FrameMeasures& frame,
                             const AffineBrightness& brightness) const {

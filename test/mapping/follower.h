@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -48,6 +49,8 @@ class Follower {
     return output;
   }
 
+  /// Of the frame that the next step tracks.
+  std::uint64_t nextSequence() const { return images_.at(next_)->sequence; }
   bool atEnd() const { return next_ + 1 >= images_.size(); }
   const Reference& reference() const { return *reference_; }
 

@@ -26,19 +26,24 @@ Reference wall() {
   return reference;
 }
 
+TrackedFrameConstPtr frameAt(const SE3& T_reference_mid, std::uint64_t sequence) {
+  auto frame = std::make_shared<Frame>();
+  frame->sequence = sequence;
+  frame->mid_exposure_ns = kInterval * static_cast<std::int64_t>(sequence);
+  frame->pyramid = *wall().pyramid;
+  auto tracked = std::make_shared<TrackedFrame>();
+  tracked->frame = frame;
+  tracked->status = TrackingStatus::kTracking;
+  tracked->trajectory.T_reference_mid = T_reference_mid;
+  return tracked;
+}
+
 /// A camera that turns, frame by frame, while the window is busy.
 class TurningCamera {
  public:
   /// Turned by so much since the keyframe [rad]. The frame that is to become a keyframe now.
   TrackedFrameConstPtr see(double turned) {
-    auto frame = std::make_shared<Frame>();
-    frame->sequence = ++frames_;
-    frame->mid_exposure_ns = kInterval * static_cast<std::int64_t>(frames_);
-    frame->pyramid = *reference_.pyramid;
-    auto tracked = std::make_shared<TrackedFrame>();
-    tracked->frame = frame;
-    tracked->status = TrackingStatus::kTracking;
-    tracked->trajectory.T_reference_mid = SE3::exp((Vector6() << 0, 0, 0, 0, turned, 0).finished());
+    const TrackedFrameConstPtr tracked = frameAt(SE3::exp((Vector6() << 0, 0, 0, 0, turned, 0).finished()), ++frames_);
     need_ = KeyframePolicy({}).need(reference_, measureFrame(reference_, tracked->trajectory), {});
     return selector_.add(tracked, tracked->trajectory.T_reference_mid, reference_, true);
   }
@@ -53,6 +58,35 @@ class TurningCamera {
   std::uint64_t frames_ = 0;
   double need_ = 0.0;
 };
+
+/// Moved sideways, in a map of so many keyframes: whether the frame becomes a keyframe.
+bool isTaken(double moved, KeyframeId keyframes, bool metric = false) {
+  Reference reference = wall();
+  reference.metric = metric;
+  for (KeyframeId id = 0; id < keyframes; ++id) reference.T_map_keyframe[id] = SE3();
+  KeyframeSelector selector({});
+  bool taken = false;
+  for (const std::uint64_t sequence : {1, 2}) {  // the second lets the first be taken
+    const TrackedFrameConstPtr tracked = frameAt(SE3(Eigen::Quaterniond::Identity(), {moved, 0.0, 0.0}), sequence);
+    taken = selector.add(tracked, tracked->trajectory.T_reference_mid, reference, false) != nullptr;
+  }
+  return taken;
+}
+
+/// That gives so much of the parallax that a map asks for.
+double moveOf(double share) { return share * KeyframePolicyConfig().parallax_px * 2.0 / kCamera.fx; }
+
+TEST(KeyframeSelector, AMapOfFewKeyframesTakesTheNextAfterLessParallax) {
+  // Of the parallax of a grown map; the motion is flow as well.
+  const double needed = 1.0 / (1.0 + KeyframePolicyConfig().parallax_px / KeyframePolicyConfig().flow_px);
+  EXPECT_FALSE(isTaken(moveOf(0.95 * needed), 6));
+  EXPECT_TRUE(isTaken(moveOf(1.05 * needed), 6));
+  EXPECT_TRUE(isTaken(moveOf(0.95 * needed), 5));
+  EXPECT_TRUE(isTaken(moveOf(0.5 * needed), 2));
+  EXPECT_FALSE(isTaken(moveOf(0.5 * needed), 3));
+  EXPECT_FALSE(isTaken(moveOf(0.3 * needed), 1)) << "its depths rest on two views as well";
+  EXPECT_FALSE(isTaken(moveOf(0.95 * needed), 2, true)) << "metres need no baselines";
+}
 
 TEST(KeyframeSelector, WhileTheWindowIsBusyAKeyframeWaitsAsLongAsTheViewStays) {
   TurningCamera camera;

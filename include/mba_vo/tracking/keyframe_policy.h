@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include "mba_vo/tracking/frame_measures.h"
 
 namespace mba_vo {
@@ -28,6 +30,9 @@ struct KeyframePolicyConfig {
 class KeyframePolicy {
  public:
   explicit KeyframePolicy(const KeyframePolicyConfig& config) : config_(config) {}
+  /// The same for a map of so few keyframes that their depths rest on short baselines, which the next is to lengthen:
+  /// less parallax asks for it.
+  KeyframePolicy forWindowOf(std::size_t keyframes) const;
 
   /// How much a new keyframe is needed; 1 = take the next sharp frame.
   double need(const Reference& reference, const FrameMeasures& frame, const AffineBrightness& brightness) const;
