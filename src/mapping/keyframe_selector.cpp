@@ -26,14 +26,10 @@ TrackedFrameConstPtr KeyframeSelector::add(const TrackedFrameConstPtr& frame, co
   in_newest.T_reference_mid = newest.T_map_reference.inverse() * T_map_camera;
   const FrameMeasures measures = measureFrame(newest, in_newest);
   const bool explained_badly = isExplainedBadly(*frame, newest.id.keyframe_id);
-  const bool taken = explained_badly || policyFor(newest).takes(newest, measures, frame->brightness);
+  const bool helps = !busy && policy_.helpsYoungMap(newest, measures, frame->brightness);
+  const bool taken = helps || explained_badly || policy_.takes(newest, measures, frame->brightness);
   if (!candidate_ && taken) candidate_ = frame;
   return candidate_ && policy_.isUrgent(newest, measures, frame->brightness) ? takeNow() : nullptr;
-}
-
-/// Depths that were measured in metres need no baselines.
-KeyframePolicy KeyframeSelector::policyFor(const Reference& newest) const {
-  return newest.metric ? policy_ : policy_.forWindowOf(newest.T_map_keyframe.size());
 }
 
 /// What was tracked against an older keyframe says nothing of the newest.

@@ -13,12 +13,6 @@ constexpr std::size_t kLeastWindow = 2;  // keyframes: first depths rest on two 
 
 }  // namespace
 
-KeyframePolicy KeyframePolicy::forWindowOf(std::size_t keyframes) const {
-  KeyframePolicyConfig young = config_;
-  young.parallax_px *= static_cast<double>(std::clamp(keyframes, kLeastWindow, kGrownWindow)) / kGrownWindow;
-  return KeyframePolicy(young);
-}
-
 double KeyframePolicy::need(const Reference& reference, const FrameMeasures& frame,
                             const AffineBrightness& brightness) const {
   const double invisible = (1.0 - frame.visible_fraction) / std::max(1.0 - config_.min_visible_fraction, 1e-3);
@@ -32,10 +26,23 @@ bool KeyframePolicy::isUrgent(const Reference& reference, const FrameMeasures& f
   return need(reference, frame, brightness) > kUrgentNeed;
 }
 
+/// That a frame must exceed to be taken, at first.
+double KeyframePolicy::neededFor(const FrameMeasures& frame) const {
+  return 1.0 + config_.patience * std::max(0.0, frame.blur_length_px / std::max(config_.sharp_blur_px, 0.1) - 1.0);
+}
+
 bool KeyframePolicy::takes(const Reference& reference, const FrameMeasures& frame,
                            const AffineBrightness& brightness) const {
-  const double excess_blur = std::max(0.0, frame.blur_length_px / std::max(config_.sharp_blur_px, 0.1) - 1.0);
-  return need(reference, frame, brightness) > std::min(1.0 + config_.patience * excess_blur, kUrgentNeed);
+  return need(reference, frame, brightness) > std::min(neededFor(frame), kUrgentNeed);
+}
+
+bool KeyframePolicy::helpsYoungMap(const Reference& reference, const FrameMeasures& frame,
+                                   const AffineBrightness& brightness) const {
+  if (reference.metric) return false;  // depths that were measured in metres need no baselines
+  const std::size_t keyframes = std::clamp(reference.T_map_keyframe.size(), kLeastWindow, kGrownWindow);
+  KeyframePolicyConfig young = config_;
+  young.parallax_px *= static_cast<double>(keyframes) / kGrownWindow;
+  return KeyframePolicy(young).need(reference, frame, brightness) > neededFor(frame);
 }
 
 }  // namespace mba_vo

@@ -93,5 +93,37 @@ TEST(KeyframePolicy, MoreBlurNeverMakesAFrameMoreWelcome) {
   }
 }
 
+/// The least parallax of a frame that helps a map of so many keyframes [px].
+double helpfulParallax(KeyframeId keyframes, double blur_px = 0.0, bool metric = false) {
+  Reference reference;
+  reference.metric = metric;
+  for (KeyframeId id = 0; id < keyframes; ++id) reference.T_map_keyframe[id] = SE3();
+  FrameMeasures measures = still();
+  measures.blur_length_px = blur_px;
+  while (measures.parallax_px < 200.0 && !KeyframePolicy({}).helpsYoungMap(reference, measures, {})) {
+    measures.parallax_px += 0.1;
+  }
+  return measures.parallax_px;
+}
+
+TEST(KeyframePolicy, LessParallaxHelpsAMapOfFewKeyframes) {
+  const KeyframePolicyConfig config;
+  for (const KeyframeId keyframes : {2, 3, 5, 6}) {
+    EXPECT_NEAR(helpfulParallax(keyframes), keyframes * config.parallax_px / 6.0, 0.2) << keyframes;
+  }
+  EXPECT_DOUBLE_EQ(helpfulParallax(1), helpfulParallax(2)) << "its depths rest on two views as well";
+  EXPECT_DOUBLE_EQ(helpfulParallax(20), helpfulParallax(6)) << "it has grown";
+}
+
+TEST(KeyframePolicy, ABlurredFrameHelpsAYoungMapAsMuchLessAsItIsBlurred) {
+  const KeyframePolicyConfig config;
+  for (const double blur_px : {4.0, 10.0, 20.0}) {
+    const double patience = 1.0 + config.patience * (blur_px / config.sharp_blur_px - 1.0);
+    EXPECT_NEAR(helpfulParallax(2, blur_px), patience * helpfulParallax(2), 0.5) << blur_px << " px";
+  }
+}
+
+TEST(KeyframePolicy, DepthsInMetresNeedNoHelp) { EXPECT_GT(helpfulParallax(2, 0.0, true), 199.0); }
+
 }  // namespace
 }  // namespace mba_vo::keyframe_policy_test

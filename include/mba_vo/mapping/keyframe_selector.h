@@ -46,7 +46,6 @@ class KeyframeSelector {
     double pixel_error;  // of the first frame that was tracked against it [px]
   };
 
-  KeyframePolicy policyFor(const Reference& newest) const;
   bool isExplainedBadly(const TrackedFrame& frame, KeyframeId newest);
 
   KeyframePolicy policy_;

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstddef>
-
 #include "mba_vo/tracking/frame_measures.h"
 
 namespace mba_vo {
@@ -30,17 +28,19 @@ struct KeyframePolicyConfig {
 class KeyframePolicy {
  public:
   explicit KeyframePolicy(const KeyframePolicyConfig& config) : config_(config) {}
-  /// The same for a map of so few keyframes that their depths rest on short baselines, which the next is to lengthen:
-  /// less parallax asks for it.
-  KeyframePolicy forWindowOf(std::size_t keyframes) const;
 
   /// How much a new keyframe is needed; 1 = take the next sharp frame.
   double need(const Reference& reference, const FrameMeasures& frame, const AffineBrightness& brightness) const;
   /// The view is being left: no blur, and no other work, keeps the next frame from being taken.
   bool isUrgent(const Reference& reference, const FrameMeasures& frame, const AffineBrightness& brightness) const;
   bool takes(const Reference& reference, const FrameMeasures& frame, const AffineBrightness& brightness) const;
+  /// Whether it would be good for a map of so few keyframes that their depths rest on short baselines, which the next
+  /// is to lengthen: less parallax asks for it, but a blurred frame is never needed for that.
+  bool helpsYoungMap(const Reference& reference, const FrameMeasures& frame, const AffineBrightness& brightness) const;
 
  private:
+  double neededFor(const FrameMeasures& frame) const;
+
   KeyframePolicyConfig config_;
 };
 
