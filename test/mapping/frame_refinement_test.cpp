@@ -94,6 +94,7 @@ std::vector<FrameConstPtr> framesOfATurn() {
 }
 
 TEST(FrameRefinement, AlignsAFrameOfAFastTurnThatContradictsTheKeyframesAround) {
+  // In a map that has grown: a young one would make a keyframe of the frame.
   const Outcome aligned = tellAWrongPose(eager(), {1e-6, 3.0 * kTurn, 1.0, 6, 16.0}, framesOfATurn());
   // 1.9 to 3.5 mrad of 60, by how the re-blurring kernel rounds.
   EXPECT_LT(aligned.turned, 0.25 * kTurn) << "however well it is said to be known: the keyframes know better";

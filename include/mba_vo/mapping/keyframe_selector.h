@@ -11,10 +11,10 @@
 
 namespace mba_vo {
 
-/// Chooses the frames that become keyframes: by how the view has changed, or because the newest keyframe no longer
-/// explains what is seen, its depths being too rough for the way that the camera has gone (as DSO does). One becomes a
-/// keyframe once the frame after it has been tracked: the motion on both sides then tells how much the keyframe itself
-/// is blurred, without looking at its blur.
+/// Chooses the frames that become keyframes: by how the view has changed, sooner in a map of few keyframes, or because
+/// the newest keyframe no longer explains what is seen, its depths being too rough for the way that the camera has gone
+/// (as DSO does). One becomes a keyframe once the frame after it has been tracked: the motion on both sides then tells
+/// how much the keyframe itself is blurred, without looking at its blur.
 class KeyframeSelector {
  public:
   explicit KeyframeSelector(const KeyframePolicyConfig& config) : policy_(config) {}

@@ -34,8 +34,8 @@ class KeyframePolicy {
   /// The view is being left: no blur, and no other work, keeps the next frame from being taken.
   bool isUrgent(const Reference& reference, const FrameMeasures& frame, const AffineBrightness& brightness) const;
   bool takes(const Reference& reference, const FrameMeasures& frame, const AffineBrightness& brightness) const;
-  /// Whether it would be good for a map of so few keyframes that their depths rest on short baselines, which the next
-  /// is to lengthen: less parallax asks for it, but a blurred frame is never needed for that.
+  /// Whether it is taken for the sake of a map of so few keyframes that their depths rest on short baselines, which the
+  /// next is to lengthen: less parallax asks for it, but blur keeps it from being taken for as long as it takes.
   bool helpsYoungMap(const Reference& reference, const FrameMeasures& frame, const AffineBrightness& brightness) const;
 
  private:
