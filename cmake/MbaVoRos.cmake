@@ -69,7 +69,7 @@ target_link_libraries(mba_vo_camera PRIVATE mba_vo_ros CLI11::CLI11)
 set_property(GLOBAL APPEND PROPERTY MBA_VO_PROGRAMS mba_vo_camera)
 
 # The programs that also read or write bags when ROS is there; all programs are found by rosrun.
-foreach(program mba_vo_calibrate mba_vo_check mba_vo_export mba_vo_offline mba_vo_simulate)
+foreach(program mba_vo_calibrate mba_vo_check mba_vo_deblur_program mba_vo_export mba_vo_offline mba_vo_simulate)
   if(TARGET ${program})
     target_compile_definitions(${program} PRIVATE MBA_VO_WITH_ROS)
     mba_vo_ros_target(${program})

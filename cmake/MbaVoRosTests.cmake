@@ -105,7 +105,7 @@ endif()
 
 # Images that were compressed without loss, offline: the trajectory of the originals, byte by byte.
 add_test(NAME compressed_offline COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/test/ros/compressed_offline_test.py
-  $<TARGET_FILE:mba_vo_simulate> $<TARGET_FILE:mba_vo_offline>)
+  $<TARGET_FILE:mba_vo_simulate> $<TARGET_FILE:mba_vo_offline> $<TARGET_FILE:mba_vo_deblur_program>)
 set_tests_properties(compressed_offline PROPERTIES TIMEOUT 320 ENVIRONMENT "${ros_test_environment}")
 
 # Bags that are each spoilt in one way: each fault must be named, and no other.

@@ -26,7 +26,7 @@ mba_vo_tool(mba_vo_export mba_vo_datasets)
 mba_vo_tool(mba_vo_map mba_vo_io)
 mba_vo_tool(mba_vo_offline mba_vo_datasets)
 mba_vo_tool(mba_vo_simulate mba_vo_simulation mba_vo_io)
-foreach(program mba_vo_calibrate mba_vo_export mba_vo_offline)  # that read any recording
+foreach(program mba_vo_calibrate mba_vo_deblur_program mba_vo_export mba_vo_offline)  # that read any recording
   target_sources(${program} PRIVATE ${MBA_VO_TOOLS_COMMON})
   target_include_directories(${program} PRIVATE tools/common)
 endforeach()
@@ -54,8 +54,8 @@ endfunction()
 
 mba_vo_tool_test(calibrate_without_sequence mba_vo_calibrate "SEQUENCE and --output are needed")
 mba_vo_tool_test(calibrate_missing_sequence mba_vo_calibrate "/nonexistent: no such sequence" /nonexistent --output out)
-mba_vo_tool_test(deblur_missing_run mba_vo_deblur_program "/nonexistent: no such folder"
-  /nonexistent --run /nonexistent --output out)
+mba_vo_tool_test(deblur_missing_sequence mba_vo_deblur_program "/nonexistent: no such sequence" /nonexistent --output out)
+mba_vo_tool_test(deblur_without_sequence mba_vo_deblur_program "SEQUENCE and --output are needed")
 mba_vo_tool_test(evaluate_missing_file mba_vo_evaluate "/nonexistent.txt: cannot be read"
   --groundtruth /nonexistent.txt --estimate /nonexistent.txt)
 mba_vo_tool_test(evaluate_wrong_alignment mba_vo_evaluate "--alignment: Check affine"

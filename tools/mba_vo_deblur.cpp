@@ -1,7 +1,5 @@
 // Deblurs the images of a recorded sequence along the motion that a run of mba_vo_offline found, or along the true one
 // of a simulated sequence, and measures the result where sharp images are known.
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -20,45 +18,41 @@
 #include <opencv2/core/utils/logger.hpp>
 
 #include "geometry_source.h"
-#include "mba_vo/datasets/dataset.h"
 #include "mba_vo/evaluation/image_quality.h"
 #include "mba_vo/image/white_level.h"
 #include "mba_vo/io/image_files.h"
 #include "mba_vo/io/photometric_files.h"
-#include "mba_vo/io/progress_bar.h"
 #include "mba_vo/io/sequence.h"
 #include "mba_vo/io/trajectory_writer.h"
 #include "mba_vo/odometry/config_yaml.h"
+#include "recording.h"
 
 namespace {
 
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string sequence;
+  RecordingArguments recording;
   std::string run;
   std::string output;
   std::string config_file;
   std::string method = "trajectory";
-  std::string images = "images";
   std::string sharp = "images_sharp";
-  int frames = 0;
+  bool second_frame = false;
   std::size_t every = 1;
   std::size_t pictures = 4;
 };
 
 void describe(CLI::App& app, Arguments& a) {
-  app.add_option("SEQUENCE", a.sequence, "folder of a sequence or of a known data set")->required();
+  describeRecording(app, a.recording);
   app.add_option("--run", a.run,
                  "results of mba_vo_offline on it; without, the true motion and depths of a simulation");
-  app.add_option("--output", a.output, "folder for the results, made if need be")->required();
+  app.add_option("--output", a.output, "folder for the results, made if need be");
   app.add_option("--config", a.config_file, "YAML file with options; mapper.deblur and image are used");
   app.add_option("--method", a.method, "none, trajectory, onnx or folder, in place of mapper.deblur.method")
       ->capture_default_str();
-  app.add_option("--frames", a.frames,
-                 "1, or 2: a neighbouring frame is used too if it helps, in place of mapper.deblur.trajectory.frames")
-      ->check(CLI::Range(1, 2));
-  app.add_option("--images", a.images, "sub-folder with the blurred images")->capture_default_str();
+  app.add_flag("--second-frame", a.second_frame,
+               "a neighbouring frame is used too if it helps, as with mapper.deblur.trajectory.frames: 2");
   app.add_option("--sharp", a.sharp, "sub-folder with sharp images to compare with, if there is one")
       ->capture_default_str();
   app.add_option("--every", a.every, "only every so-manyth image")->capture_default_str()->check(CLI::Range(1, 100000));
@@ -105,8 +99,9 @@ class DeblurRun {
         white_level_(config.image.white_level),
         deblurrer_(mba_vo::makeDeblurrer(config.mapper.deblur)),
         two_frames_(config.mapper.deblur.trajectory.frames > 1),
-        geometry_(a.run.empty() ? mba_vo::trueGeometry(a.sequence) : mba_vo::estimatedGeometry(a.run)) {
-    if (fs::is_directory(fs::path(a.sequence) / a.sharp)) sharp_ = mba_vo::openSequenceFolder(a.sequence, a.sharp);
+        geometry_(a.run.empty() ? mba_vo::trueGeometry(a.recording.sequence) : mba_vo::estimatedGeometry(a.run)) {
+    const std::string& sequence = a.recording.sequence;
+    if (fs::is_directory(fs::path(sequence) / a.sharp)) sharp_ = mba_vo::openSequenceFolder(sequence, a.sharp);
     fs::create_directories(fs::path(a.output) / "images");
   }
 
@@ -119,8 +114,12 @@ class DeblurRun {
   void processAll() {
     std::deque<Loaded> window;
     std::size_t first = 0;  // position of the window's first image
-    mba_vo::ProgressBar bar(std::cerr, blurred_->size(), isatty(STDERR_FILENO) == 1);
-    for (std::size_t i = 0; i < blurred_->size(); ++i) {
+    const RecordingArguments& recording = arguments_.recording;
+    const std::unique_ptr<mba_vo::ProgressBar> bar = progressBar(recording, *blurred_);
+    for (std::size_t i = 0; i < recording.skip && blurred_->skip(); ++i) {
+      if (sharp_) sharp_->skip();
+    }
+    for (std::size_t i = 0; recording.frames == 0 || i < recording.frames; ++i) {
       while (first + window.size() <= i + kReach && load(window)) {
       }
       if (first + kReach < i) {
@@ -129,7 +128,7 @@ class DeblurRun {
       }
       if (i - first >= window.size()) break;
       if (i % arguments_.every == 0 && window[i - first].frame) process(window, i - first);
-      bar.update(i + 1);
+      bar->update(recording.skip + i + 1);
     }
   }
 
@@ -153,6 +152,7 @@ class DeblurRun {
     std::optional<mba_vo::CameraImage> image = blurred_->next();
     if (!image) return false;
     Loaded loaded;
+    if (const std::optional<double> exposure = exposureOverride(arguments_.recording)) image->exposure = exposure;
     loaded.image = *image;
     if (sharp_) loaded.truth = sharp_->next();
     loaded.motion = geometry_->motion(image->mid_exposure_ns);
@@ -270,16 +270,18 @@ class DeblurRun {
 };
 
 void run(const Arguments& a) {
+  if (a.recording.sequence.empty() || a.output.empty()) {
+    throw std::runtime_error("SEQUENCE and --output are needed; see --help");
+  }
   mba_vo::OdometryConfig config = a.config_file.empty() ? mba_vo::OdometryConfig() : mba_vo::loadConfig(a.config_file);
   mba_vo::finalize(config);
   config.image.binning = 1;  // sharp images are as large as the camera's
   config.mapper.deblur.method = a.method;
-  if (a.frames > 0) config.mapper.deblur.trajectory.frames = a.frames;
-  mba_vo::DatasetOptions form;
-  form.images = a.images;
-  mba_vo::Dataset dataset = mba_vo::openDataset(a.sequence, form);
-  dataset.configure(config.image);
-  DeblurRun(a, config, std::move(dataset.reader)).run();
+  if (a.second_frame) config.mapper.deblur.trajectory.frames = 2;
+  if (a.recording.row_time) config.image.row_time = *a.recording.row_time;
+  std::unique_ptr<mba_vo::SequenceReader> reader = openSequence(a.recording);
+  adoptWhatIsKnown(a.recording, config.image, std::cout);
+  DeblurRun(a, config, std::move(reader)).run();
 }
 
 }  // namespace

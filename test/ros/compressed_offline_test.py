@@ -1,8 +1,9 @@
 #!/usr/bin/python3
-"""Images that were compressed without loss give the trajectory of the originals, byte by byte.
+"""Images that were compressed without loss give the trajectory of the originals, byte by byte, and are deblurred along it.
 
-compressed_offline_test.py MBA_VO_SIMULATE MBA_VO_OFFLINE
+compressed_offline_test.py MBA_VO_SIMULATE MBA_VO_OFFLINE MBA_VO_DEBLUR
 """
+import csv
 import os
 import subprocess
 import sys
@@ -15,6 +16,7 @@ import rosbag
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts"))
 from spoil import compressed_message  # noqa: E402
 
+DEBLUR = sys.argv.pop()
 OFFLINE = sys.argv.pop()
 SIMULATE = sys.argv.pop()
 RAW, COMPRESSED = "/camera/image_raw", "/camera/image_raw/compressed"
@@ -51,6 +53,10 @@ class CompressedOffline(unittest.TestCase):
                     poses = raw.read()
                     self.assertGreater(poses.count(b"\n"), 20, name)
                     self.assertEqual(poses, compressed.read(), name)
+            run(DEBLUR, path("twins.bag"), "--run", path("compressed"), "--output", path("sharp"), "--image-topic",
+                COMPRESSED, "--skip", "20", "--frames", "6")
+            with open(path("sharp", "deblur.csv")) as table:
+                self.assertEqual(6, len(list(csv.DictReader(table))))
 
     def assert_a_camera_is_refused(self, bag):
         """For there is no calibration that tells of several."""
