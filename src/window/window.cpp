@@ -23,6 +23,10 @@ namespace {
 
 // Gauge: nothing observes the first window's scale; any strong prior holds it.
 constexpr double kScalePrior = 1e10;  // information of the log of the scale
+// Up to so many keyframes the first correction of the lens may come at the price of all that is marginalised. Cameras
+// that are 1 % wrong are corrected with keyframe 3 to 13; later, in a turn, maps without it collapsed
+// (docs/decisions/2026-11-30-late-corrections.md).
+constexpr int kForgetful = 14;
 
 ResidualOptions residualOptions(const WindowConfig& config) {
   ResidualOptions options;
@@ -74,6 +78,7 @@ class Window::Impl {
   WindowState state_;
   std::vector<PairGeometry> pairs_;  // of the current state; empty: not made yet
   PointId next_point_ = 0;
+  int keyframes_so_far_ = 0;
   CalibrationCorrection correction_;
 };
 
@@ -104,6 +109,7 @@ void Window::Impl::addKeyframe(const WindowKeyframe& keyframe) {
   state_.keyframes.push_back(stateOf(keyframe));
   state_.prior.appendKeyframe();
   addPriorOf(state_.size() - 1, config_, state_);
+  ++keyframes_so_far_;
 }
 
 PointId Window::Impl::insert(PointState point) {
@@ -244,7 +250,7 @@ WindowSummary Window::optimize(int max_iterations) {
 
 void Window::setCorrection(const CalibrationCorrection& correction) {
   const bool first = !impl_->correction_.correctsLens() && correction.correctsLens();
-  if (first && impl_->state_.size() > 1) {
+  if (first && impl_->state_.size() > 1 && impl_->keyframes_so_far_ <= kForgetful) {
     beginPriorAnew(impl_->config_, impl_->state_);
     impl_->scale_prior_ = ScalePrior(kScalePrior);
     impl_->scale_prior_chosen_ = false;

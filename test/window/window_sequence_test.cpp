@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -28,7 +29,8 @@ SE3 poseAt(KeyframeId i) {
 /// each keyframe was when it left the window.
 class SlidingRun {
  public:
-  explicit SlidingRun(const WindowConfig& config) : window_(config, true), max_keyframes_(config.max_keyframes) {}
+  explicit SlidingRun(const WindowConfig& config, KeyframeId keyframes = kKeyframes)
+      : window_(config, true), keyframes_(keyframes) {}
 
   /// The focal length is taken for 3 % too long, until it is corrected with keyframe `when`.
   void correctFocalLength(KeyframeId when) {
@@ -46,7 +48,7 @@ class SlidingRun {
   void settle() { settled_ = true; }
 
   std::vector<SE3> run() {
-    for (KeyframeId id = 0; id < kKeyframes; ++id) {
+    for (KeyframeId id = 0; id < keyframes_; ++id) {
       addKeyframe(id);
       if (settled_ && id < correct_with_) window_.settleCorrection();
       if (id == correct_with_) {
@@ -122,11 +124,11 @@ class SlidingRun {
   PlanarScene scene_ = PlanarScene::corner();
   PinholeCamera camera_ = test::smallCamera();
   PinholeCamera told_ = camera_;
-  KeyframeId correct_with_ = kKeyframes;  // never
+  KeyframeId correct_with_ = std::numeric_limits<KeyframeId>::max();  // never
   bool settled_ = false;
   test::Random random_{5};
   Window window_;
-  int max_keyframes_;
+  KeyframeId keyframes_;
   std::vector<SE3> truth_;
   std::vector<SE3> poses_;
   std::size_t largest_window_ = 0;
@@ -149,16 +151,16 @@ TEST(WindowSequence, MarginalizationKeepsEstimatesConsistent) {
 }
 
 /// Mean position error of the keyframes from the correction of the calibration on.
-double errorAfterCorrection(const std::function<void(SlidingRun&)>& prepare) {
-  constexpr KeyframeId kCorrected = 9;
+double errorAfterCorrection(const std::function<void(SlidingRun&)>& prepare, KeyframeId corrected = 9) {
   WindowConfig config;
   config.max_keyframes = config.min_keyframes = 5;
-  SlidingRun run(config);
+  const KeyframeId keyframes = corrected + 6;
+  SlidingRun run(config, keyframes);
   prepare(run);
-  run.correctFocalLength(kCorrected);
+  run.correctFocalLength(corrected);
   const std::vector<SE3> poses = run.run();
   std::vector<SE3> truth, found;
-  for (KeyframeId i = kCorrected; i < kKeyframes; ++i) {
+  for (KeyframeId i = corrected; i < keyframes; ++i) {
     truth.push_back(poseAt(i));
     found.push_back(poses[i]);
   }
@@ -176,6 +178,15 @@ TEST(WindowSequence, WhatWasMarginalizedFollowsTheCalibrationOrIsForgotten) {
   EXPECT_LT(followed, 1e-3);
   EXPECT_LT(forgotten, 1e-3);
   EXPECT_GT(left, 1.5 * std::max(followed, forgotten));
+}
+
+/// In a hard turn there may be nothing else that knows the scale.
+TEST(WindowSequence, WhatWasMarginalizedIsNotForgottenLate) {
+  constexpr KeyframeId kLate = 15;
+  const double followed = errorAfterCorrection([](SlidingRun&) {}, kLate);
+  const double left = errorAfterCorrection([](SlidingRun& run) { run.settle(); }, kLate);
+  EXPECT_LT(followed, 1e-3);
+  EXPECT_GT(left, 1.5 * followed);
 }
 
 TEST(WindowSequence, OptimisationsLeaveTheWindowWhereItIs) {
