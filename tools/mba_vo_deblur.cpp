@@ -116,12 +116,9 @@ class DeblurRun {
     std::size_t first = 0;  // position of the window's first image
     const RecordingArguments& recording = arguments_.recording;
     const std::unique_ptr<mba_vo::ProgressBar> bar = progressBar(recording, *blurred_);
-    for (std::size_t i = 0; i < recording.skip && blurred_->skip(); ++i) {
-      if (sharp_) sharp_->skip();
-    }
+    for (std::size_t i = 0; i < recording.skip && blurred_->skip() && (!sharp_ || sharp_->skip()); ++i) continue;
     for (std::size_t i = 0; recording.frames == 0 || i < recording.frames; ++i) {
-      while (first + window.size() <= i + kReach && load(window)) {
-      }
+      while (first + window.size() <= i + kReach && load(window)) continue;
       if (first + kReach < i) {
         window.pop_front();
         ++first;

@@ -23,10 +23,6 @@ namespace {
 
 // Gauge: nothing observes the first window's scale; any strong prior holds it.
 constexpr double kScalePrior = 1e10;  // information of the log of the scale
-// Up to so many keyframes the first correction of the lens may come at the price of all that is marginalised. Cameras
-// that are 1 % wrong are corrected with keyframe 3 to 13; later, in a turn, maps without it collapsed
-// (docs/decisions/2026-11-30-late-corrections.md).
-constexpr int kForgetful = 14;
 
 ResidualOptions residualOptions(const WindowConfig& config) {
   ResidualOptions options;
@@ -250,7 +246,7 @@ WindowSummary Window::optimize(int max_iterations) {
 
 void Window::setCorrection(const CalibrationCorrection& correction) {
   const bool first = !impl_->correction_.correctsLens() && correction.correctsLens();
-  if (first && impl_->state_.size() > 1 && impl_->keyframes_so_far_ <= kForgetful) {
+  if (first && impl_->state_.size() > 1 && impl_->keyframes_so_far_ <= kMostToForget) {
     beginPriorAnew(impl_->config_, impl_->state_);
     impl_->scale_prior_ = ScalePrior(kScalePrior);
     impl_->scale_prior_chosen_ = false;
@@ -287,7 +283,6 @@ Vector6 Window::imageMotion(KeyframeId id) const { return impl_->keyframe(id).im
 AffineBrightness Window::brightness(KeyframeId id) const { return impl_->keyframe(id).brightness(); }
 
 std::vector<WindowPoint> Window::points() const { return describePoints(impl_->state_); }
-
 std::vector<double> Window::inverseDepths() const { return mba_vo::inverseDepths(impl_->state_); }
 
 void Window::setSlopes(const std::vector<std::optional<Eigen::Vector2d>>& slopes) {
@@ -295,7 +290,6 @@ void Window::setSlopes(const std::vector<std::optional<Eigen::Vector2d>>& slopes
 }
 
 int Window::pointCount() const { return static_cast<int>(impl_->state_.points.size()); }
-
 int Window::evaluatedResiduals() const { return impl_->optimizer_.evaluatedResiduals(); }
 
 int Window::residualCount() const {

@@ -161,8 +161,8 @@ class Window {
   WindowSummary endOptimization();
 
   /// The correction of the calibration that all images should have been made with; the window makes up for the
-  /// difference. What was marginalised follows; all of it is forgotten with the first correction of the geometry, as
-  /// what was seen by a wrong one is wrong by more than small steps mend.
+  /// difference. What was marginalised follows; while that is little, all of it is forgotten with the first correction
+  /// of the geometry, as what was seen by a wrong one is wrong by more than small steps mend.
   void setCorrection(const CalibrationCorrection& correction);
   /// No other correction is expected: what is marginalised from now on need not follow one.
   void settleCorrection();
