@@ -7,6 +7,7 @@
 #
 # MBA_VO_JOBS: compilers at a time (all cores).
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;; esac
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 if [ "${1:-}" = --no-install ]; then

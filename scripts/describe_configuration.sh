@@ -3,6 +3,7 @@
 # change them, and all, from config/default.yaml, which a test keeps equal to the code. --check: only says whether the page
 # is up to date.
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;; esac
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 page=docs/configuration.md

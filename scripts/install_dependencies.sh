@@ -14,7 +14,7 @@ core=(
   libcli11-dev libeigen3-dev libgmock-dev libgtest-dev libopencv-dev libsuitesparse-dev libtbb-dev libyaml-cpp-dev
   libcereal-dev zlib1g-dev  # maps in files
   python3-matplotlib python3-yaml  # mba_vo_benchmark
-  python3-numpy  # scripts that measure
+  python3-numpy python3-opencv  # scripts that measure
 )
 ros=(
   # to build
