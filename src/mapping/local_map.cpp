@@ -42,7 +42,7 @@ LocalMap::LocalMap(const MapperConfig& config, MapId id, const InitialMap& initi
       store_(store),
       calibration_(calibration),
       metric_(initial.metric),
-      window_(config.window, config.deterministic),
+      window_(config.window),
       next_keyframe_(place.keyframe),
       budget_(config.window.max_points) {
   window_.setCorrection(calibration_.correction());

@@ -148,7 +148,7 @@ const std::vector<PairGeometry>& Window::Impl::pairs() {
   return pairs_;
 }
 
-Window::Window(const WindowConfig& config, bool /*deterministic*/) : impl_(std::make_unique<Impl>(config)) {}
+Window::Window(const WindowConfig& config) : impl_(std::make_unique<Impl>(config)) {}
 Window::~Window() = default;
 
 void Window::addKeyframe(const WindowKeyframe& keyframe) { impl_->addKeyframe(keyframe); }

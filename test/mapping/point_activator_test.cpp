@@ -35,7 +35,7 @@ class PointActivatorTest : public testing::Test {
 
   const PinholeCamera camera_ = test::smallCamera();
   const test::PlanarScene scene_ = test::PlanarScene::corner();
-  Window window_{WindowConfig{}, true};
+  Window window_{WindowConfig{}};
   std::vector<ImmaturePoint> candidates_;
   int known_ = 0;
 };

@@ -17,7 +17,7 @@ TEST(ProjectPoints, GivesTheTrueDepthInAnotherCamera) {
   Vector6 motion;
   motion << 0.1, -0.05, 0.15, 0.02, -0.05, 0.03;
   const SE3 T_map_camera = SE3::exp(motion);
-  Window window(WindowConfig{}, true);
+  Window window{WindowConfig{}};
   const auto host = test::pyramidOf(scene.render(camera, T_map_host), camera);
   const auto other = test::pyramidOf(scene.render(camera, T_map_camera), camera);
   window.addKeyframe({0, host, host, T_map_host, Vector6::Zero(), Vector6::Zero(), {}});
@@ -50,7 +50,7 @@ TEST(ProjectPoints, KnowsThatTheHostWasMadeWithAnotherFocalLength) {
   const PinholeCamera camera = test::smallCamera();
   CalibrationCorrection known;
   known.values(CalibrationCorrection::kFocal) = -0.02;
-  Window window(WindowConfig{}, true);
+  Window window{WindowConfig{}};
   const auto image = test::pyramidOf(scene.render(camera, SE3()), camera);
   WindowKeyframe host{0, image, image, SE3(), Vector6::Zero(), Vector6::Zero(), {}};
   WindowKeyframe target = host;

@@ -99,7 +99,7 @@ double largestPositionError(const Window& window) {
 }
 
 TEST(Settling, NearTheMinimumFewResidualsAreEvaluatedAndItIsFoundAsWell) {
-  Window window(WindowConfig(), true);
+  Window window{WindowConfig()};
   Disturbance near;
   near.pose_noise = 0.2;
   near.depth_noise = 0.005;
@@ -122,7 +122,7 @@ double rmsDepthError(const Window& window) {  // relative
 }
 
 TEST(Settling, DepthsOfPointsThatSettleAtOnceAreFoundAndWhatThatGainsCounts) {
-  Window window(WindowConfig(), true);
+  Window window{WindowConfig()};
   Disturbance depths;
   depths.pose_noise = 0.0;
   depths.depth_noise = 0.005;
@@ -138,7 +138,7 @@ TEST(Settling, DepthsOfPointsThatSettleAtOnceAreFoundAndWhatThatGainsCounts) {
 TEST(Settling, AWindowAtItsMinimumStaysThere) {
   WindowConfig config;
   config.min_relative_decrease = 0.0;
-  Window window(config, true);
+  Window window(config);
   fill(window, keyframesOf(views().sharp, views().sharp, false), Disturbance());
   window.optimize(30);
   std::vector<SE3> before;

@@ -22,8 +22,8 @@ void settle(Window& window) {
 }
 
 TEST(WindowActivation, PointsTriedSideBySideAreThoseTriedInTurn) {
-  Window together(WindowConfig(), true);
-  Window in_turn(WindowConfig(), true);
+  Window together{WindowConfig()};
+  Window in_turn{WindowConfig()};
   const test::Views& v = views();
   std::vector<NewPoint> candidates;
   for (int x = 30; x < v.camera.width - 30; x += 7) {
@@ -44,7 +44,7 @@ TEST(WindowActivation, PointsTriedSideBySideAreThoseTriedInTurn) {
 }
 
 TEST(WindowActivation, RefinesDepthsAndRefusesBadPoints) {
-  Window window(WindowConfig(), true);
+  Window window{WindowConfig()};
   settle(window);
   const test::Views& v = views();
   test::Random random(9);
@@ -91,7 +91,7 @@ class WallpaperActivation : public testing::Test {
   static constexpr double kDistance = 2.5;
   const PinholeCamera camera_ = test::smallCamera();
   const test::PlanarScene scene_ = test::PlanarScene::wallpaper(kDistance, 16.0 * kDistance / camera_.fx);
-  Window window_{WindowConfig(), true};
+  Window window_{WindowConfig()};
   KeyframeId keyframes_ = 0;
 };
 
@@ -103,7 +103,7 @@ TEST_F(WallpaperActivation, KeyframesOutOfReachWaitUntilTheDepthIsCertain) {
 }
 
 TEST(WindowActivation, AKeyframeThatCannotSeeAPointHasNoResidualOfIt) {
-  Window window(WindowConfig(), true);
+  Window window{WindowConfig()};
   settle(window);
   const test::Views& v = views();
   constexpr double kNear = 8.0;  // [px] to the border: either may be

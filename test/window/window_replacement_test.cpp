@@ -62,7 +62,7 @@ WindowSummary settled(Window& window) {
 
 TEST(WindowReplacement, ASharpImageThatComesLaterIsAsOneThatWasThereFromTheBeginning) {
   const Pair pair;
-  Window replaced(WindowConfig(), true), sharp(WindowConfig(), true);
+  Window replaced{WindowConfig()}, sharp{WindowConfig()};
   pair.fill(replaced, false);
   pair.fill(sharp, true);
   const WindowSummary before = replaced.optimize(0);
@@ -80,7 +80,7 @@ TEST(WindowReplacement, ASharpImageThatComesLaterIsAsOneThatWasThereFromTheBegin
 
 TEST(WindowReplacement, AnExposureThatIsKnownLaterIsAsOneThatWasKnownFromTheBeginning) {
   const Pair pair;
-  Window told(WindowConfig(), true), untold(WindowConfig(), true), left(WindowConfig(), true);
+  Window told{WindowConfig()}, untold{WindowConfig()}, left{WindowConfig()};
   pair.fill(told, false);
   for (Window* window : {&untold, &left}) pair.fill(*window, false, false, false);
   const WindowSummary without = left.optimize(0);
@@ -97,7 +97,7 @@ TEST(WindowReplacement, AnExposureThatIsKnownLaterIsAsOneThatWasKnownFromTheBegi
 // As of a keyframe that did not wait for the frame after it.
 TEST(WindowReplacement, AMotionThatIsKnownLaterIsAsOneThatWasKnownFromTheBeginning) {
   const Pair pair;
-  Window told(WindowConfig(), true), revised(WindowConfig(), true);
+  Window told{WindowConfig()}, revised{WindowConfig()};
   for (Window* window : {&told, &revised}) pair.fill(*window, false);
   const auto moving = [&](double factor) { return BodyMotion{factor / Pair::kExposure * pair.xi[0]}; };
   revised.setMotion(0, moving(1.5));
@@ -113,7 +113,7 @@ TEST(WindowReplacement, AMotionThatIsKnownLaterIsAsOneThatWasKnownFromTheBeginni
 TEST(WindowReplacement, WithARollingShutterTheRowsKnowTheMotionBetter) {
   Pair pair;
   pair.camera.row_time = 2e-5;
-  Window window(WindowConfig(), true);
+  Window window{WindowConfig()};
   pair.fill(window, false);
   const Vector6 before = window.motion(0).velocity;
   window.setMotion(0, {2.0 * before, Vector6::Ones()});
@@ -124,7 +124,7 @@ TEST(WindowReplacement, WithARollingShutterTheRowsKnowTheMotionBetter) {
 // What was read before has to be read again.
 TEST(WindowReplacement, AnExposureMayBeCorrectedAgain) {
   const Pair pair;
-  Window told(WindowConfig(), true), corrected(WindowConfig(), true);
+  Window told{WindowConfig()}, corrected{WindowConfig()};
   for (Window* window : {&told, &corrected}) pair.fill(*window, false);
   for (const KeyframeId id : {0, 1}) corrected.setExposure(id, 0.8 * Pair::kExposure, true);
   const WindowSummary before = corrected.optimize(0);
@@ -136,7 +136,7 @@ TEST(WindowReplacement, AnExposureMayBeCorrectedAgain) {
 
 TEST(WindowReplacement, TheWindowGoesOnFromThere) {
   const Pair pair;
-  Window window(WindowConfig(), true);
+  Window window{WindowConfig()};
   pair.fill(window, false);
   window.optimize(3);
   window.replaceImage(0, pair.sharp);
@@ -150,7 +150,7 @@ TEST(WindowReplacement, TellsWhetherAnImageExplainsTheOthersAsWell) {
   const Pair pair;
   const auto wrong = test::pyramidOf(pair.scene.render(pair.camera, pair.T_map_keyframe[1]), pair.camera);
   for (const bool knows : {true, false}) {
-    Window window(WindowConfig(), true);
+    Window window{WindowConfig()};
     pair.fill(window, false, knows);
     EXPECT_FALSE(window.explainsAsWell(0, wrong, pair.points()));
     if (!knows) {
@@ -162,7 +162,7 @@ TEST(WindowReplacement, TellsWhetherAnImageExplainsTheOthersAsWell) {
 
 TEST(WindowReplacement, TryingAnImageChangesNothing) {
   const Pair pair;
-  Window tried(WindowConfig(), true), other(WindowConfig(), true);
+  Window tried{WindowConfig()}, other{WindowConfig()};
   for (Window* window : {&tried, &other}) {
     pair.fill(*window, false);
     window->optimize(2);

@@ -26,7 +26,7 @@ SE3 truth(KeyframeId i) {
 std::unique_ptr<Window> begin(bool measured) {
   const PinholeCamera camera = test::smallCamera();
   const test::PlanarScene scene = test::PlanarScene::corner(0.4);
-  auto window = std::make_unique<Window>(WindowConfig(), true);
+  auto window = std::make_unique<Window>(WindowConfig());
   for (KeyframeId i = 0; i < kFrames; ++i) {
     WindowKeyframe keyframe;
     keyframe.id = i;

@@ -30,7 +30,7 @@ SE3 poseAt(KeyframeId i) {
 class SlidingRun {
  public:
   explicit SlidingRun(const WindowConfig& config, KeyframeId keyframes = kKeyframes)
-      : window_(config, true), keyframes_(keyframes) {}
+      : window_(config), keyframes_(keyframes) {}
 
   /// The focal length is taken for 3 % too long, until it is corrected with keyframe `when`.
   void correctFocalLength(KeyframeId when) {

@@ -40,7 +40,7 @@ double medianDepthError(const Window& window) {
 }
 
 TEST(Window, RecoversPosesAndDepthsFromSharpImages) {
-  Window window(WindowConfig(), true);
+  Window window{WindowConfig()};
   fill(window, keyframesOf(views().sharp, views().sharp, false), Disturbance());
   ASSERT_GT(largestPositionError(window), 0.02);
   const WindowSummary summary = window.optimize(20);
@@ -56,7 +56,7 @@ TEST(Window, EndsWithTheIterationThatGainsTooLittle) {
   const auto optimized = [](double min_relative_decrease) {
     WindowConfig config;
     config.min_relative_decrease = min_relative_decrease;
-    Window window(config, true);
+    Window window(config);
     fill(window, keyframesOf(views().sharp, views().sharp, false), Disturbance());
     return window.optimize(20);
   };
@@ -71,7 +71,7 @@ TEST(Window, EndsWithTheIterationThatGainsTooLittle) {
 TEST(Window, ReblurringTargetsBeatsComparingBlurredImages) {
   WindowConfig with, without;
   without.reblur_targets = false;
-  Window reblurred(with, true), compared(without, true);
+  Window reblurred(with), compared(without);
   fill(reblurred, keyframesOf(views().sharp, views().blurred, true), Disturbance());
   fill(compared, keyframesOf(views().blurred, views().blurred, true), Disturbance());
   reblurred.optimize(20);
@@ -87,7 +87,7 @@ TEST(Window, RecoversBrightness) {
     views().sharp[i].convertTo(image, CV_32F, std::exp(0.06 * i), 3.0 * i);  // exp(a) I + b
     images.push_back(image);
   }
-  Window window(WindowConfig(), true);
+  Window window{WindowConfig()};
   fill(window, keyframesOf(images, images, false), Disturbance());
   window.optimize(30);
   EXPECT_LT(largestPositionError(window), 1.5e-3);
@@ -102,7 +102,7 @@ TEST(Window, CostDoesNotDependOnTheGauge) {
   Disturbance moved;
   moved.T_world_map = SE3::exp((Vector6() << 2.0, -1.0, 0.5, 0.8, -1.2, 0.4).finished());
   moved.scale = 3.7;
-  Window a(WindowConfig(), true), b(WindowConfig(), true);
+  Window a{WindowConfig()}, b{WindowConfig()};
   fill(a, images, Disturbance());
   fill(b, images, moved);
   const WindowSummary summary_a = a.optimize(20);
@@ -115,7 +115,7 @@ TEST(Window, CostDoesNotDependOnTheGauge) {
 TEST(Window, IsBitIdenticalWhateverTheThreads) {
   const auto images = keyframesOf(views().sharp, views().blurred, true);
   const auto run = [&] {
-    Window window(WindowConfig(), true);
+    Window window{WindowConfig()};
     fill(window, images, Disturbance());
     window.optimize(5);
     window.marginalize(1);
@@ -143,7 +143,7 @@ TEST(Window, OccludedViewsBecomeOutliers) {
     for (int x = hand.x; x < hand.x + hand.width; ++x)
       images[3](y, x) = 20.0F + 60.0F * static_cast<float>((x + y) % 7 == 0);
   }
-  Window window(WindowConfig(), true);
+  Window window{WindowConfig()};
   fill(window, keyframesOf(images, images, false), Disturbance());
   window.optimize(20);
   window.optimize(10);
@@ -153,7 +153,7 @@ TEST(Window, OccludedViewsBecomeOutliers) {
 TEST(Window, KeepsItsSizeAndTheTwoNewestKeyframes) {
   WindowConfig config;
   config.max_keyframes = config.min_keyframes = 4;
-  Window window(config, true);
+  Window window(config);
   Disturbance setup;
   setup.step = 30;
   fill(window, keyframesOf(views().sharp, views().sharp, false), setup);
@@ -175,7 +175,7 @@ TEST(Window, KeepsItsSizeAndTheTwoNewestKeyframes) {
 }
 
 TEST(Window, RefusesImpossibleInput) {
-  Window window(WindowConfig(), true);
+  Window window{WindowConfig()};
   WindowKeyframe keyframe;
   keyframe.id = 8;
   EXPECT_THROW(window.addKeyframe(keyframe), std::invalid_argument);  // no image

@@ -118,8 +118,8 @@ struct WindowSummary {
 /// first-estimates Jacobians, Schur complement, CHOLMOD, and marginalisation of old keyframes into a quadratic prior.
 class Window {
  public:
-  /// Results are bit-identical whatever `deterministic` is and however many threads TBB uses: sums have a fixed order.
-  Window(const WindowConfig& config, bool deterministic);
+  /// Results are bit-identical however many threads TBB uses: sums have a fixed order.
+  explicit Window(const WindowConfig& config);
   ~Window();
 
   void addKeyframe(const WindowKeyframe& keyframe);
