@@ -57,13 +57,18 @@ class CompressedOffline(unittest.TestCase):
                 COMPRESSED, "--skip", "20", "--frames", "6")
             with open(path("sharp", "deblur.csv")) as table:
                 self.assertEqual(6, len(list(csv.DictReader(table))))
+            self.assert_refused(DEBLUR, path("twins.bag"), "--image-topic", RAW, "--run", path("none"), "--output",
+                                path("sharp"), expected=path("none", "exposure_trajectory.txt") + ": cannot be read")
 
     def assert_a_camera_is_refused(self, bag):
         """For there is no calibration that tells of several."""
-        done = subprocess.run([OFFLINE, bag, "--output", os.devnull, "--camera", "cam1"], stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, text=True, check=False)
+        self.assert_refused(OFFLINE, bag, "--output", os.devnull, "--camera", "cam1",
+                            expected="--camera cam1: for a bag it chooses from --calibration, which is not told")
+
+    def assert_refused(self, *command, expected):
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
         self.assertEqual(1, done.returncode, done.stdout)
-        self.assertIn("--camera cam1: for a bag it chooses from --calibration, which is not told", done.stdout)
+        self.assertIn(expected, done.stdout)
 
 
 if __name__ == "__main__":
