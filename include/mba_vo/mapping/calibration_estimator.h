@@ -7,8 +7,8 @@
 namespace mba_vo {
 
 /// Corrects the calibration where window after window agrees that it is wrong. A good calibration stays as it is: what
-/// the windows then say is small beside its uncertainty. The vignette comes first and needs one window alone; so may
-/// the time of read-out.
+/// the windows then say is small beside its uncertainty. One that is known to be wrong follows what they say. The
+/// vignette comes first and needs one window alone; so may the time of read-out.
 class CalibrationEstimator {
  public:
   enum class Vignette { kUnknown, kTold };  // kTold: nothing of it is left to be found
@@ -30,13 +30,13 @@ class CalibrationEstimator {
   CalibrationSystem withPrior() const;
   bool correctVignette();
   bool correctReadout();
-  bool correctGeometry();
+  bool correctLens();
 
   Vignette vignette_;
   CalibrationCorrection correction_;
   std::optional<CalibrationCorrection> settled_;
-  CalibrationSystem sum_;  // since the correction changed
-  int windows_ = 0;        // in the sum
+  CalibrationSystem sum_;  // of the windows, the more the later they are
+  int windows_ = 0;        // since the correction changed
 };
 
 }  // namespace mba_vo
