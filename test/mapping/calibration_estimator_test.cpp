@@ -175,5 +175,17 @@ TEST(CalibrationEstimator, GoesOnFromAnEarlierCorrection) {
   EXPECT_NEAR(estimator.correction()[CalibrationCorrection::kReadout], 0.015, 5e-4);
 }
 
+/// What was learnt at an earlier start is as good as what is told: the first windows of a map are poor ones.
+TEST(CalibrationEstimator, BelievesAnEarlierCorrection) {
+  CalibrationCorrection start;
+  start.values(CalibrationCorrection::kFocal) = -0.01;
+  CalibrationEstimator estimator(start);
+  CalibrationCorrection poor = start;
+  poor.values(CalibrationCorrection::kFocal) = -0.02;
+  for (int i = 0; i < 8; ++i) EXPECT_FALSE(estimator.add(windowOf(poor.values, estimator.correction(), 0.2)));
+  for (int i = 0; i < 60; ++i) estimator.add(windowOf(start.values, estimator.correction(), 0.5));
+  EXPECT_EQ(estimator.correction(), start);
+}
+
 }  // namespace
 }  // namespace mba_vo::calibration_estimator_test

@@ -7,7 +7,7 @@
 namespace mba_vo {
 
 /// Corrects the calibration where window after window agrees that it is wrong. A good calibration stays as it is: what
-/// the windows then say is small beside its uncertainty. One that is known to be wrong follows what they say. The
+/// the windows then say is small beside its uncertainty. One that they disproved follows what they say. The
 /// vignette comes first and needs one window alone; so may the time of read-out.
 class CalibrationEstimator {
  public:
@@ -27,12 +27,15 @@ class CalibrationEstimator {
   bool add(const CalibrationSystem& system);
 
  private:
+  enum class Lens { kBelieved, kDisproved };  // kDisproved: a step of it was taken
+
   CalibrationSystem withPrior() const;
   bool correctVignette();
   bool correctReadout();
   bool correctLens();
 
   Vignette vignette_;
+  Lens lens_ = Lens::kBelieved;
   CalibrationCorrection correction_;
   std::optional<CalibrationCorrection> settled_;
   CalibrationSystem sum_;  // of the windows, the more the later they are
