@@ -12,12 +12,12 @@ constexpr int kSettledWindows = 8;  // without a step: some two seconds of a han
 // Pixels, patches of a point, and windows that share keyframes are far from independent, and what no model explains is
 // the same in many. The scatter of the windows' estimates is some ten times what the residuals alone would have.
 constexpr double kCorrelation = 50.0;
-// Quantiles of chi^2 by degrees of freedom, 97.5 %. Right lenses, of 42 recorded and simulated sequences, stayed below
-// 1.9 of one, apart from two first maps under a rolling shutter that nobody had told
+// Quantiles of chi^2 by degrees of freedom, 97.5 %. In 42 runs of 21 sequences right lenses stayed below 1.9 of one,
+// apart from two first maps under a rolling shutter that nobody had told
 // (docs/decisions/2026-11-30-steps-of-the-lens.md).
 constexpr std::array<double, 7> kChance{0.0, 5.0, 7.4, 9.3, 11.1, 12.8, 14.4};
-// Centre and distortion need more: velocities of rows that are not quite right yet look like them. Young maps under a
-// rolling shutter had up to 2.7 times what is chance, kitchen, whose lens is wrong, has 5 times.
+// Centre and distortion need more: young maps under a rolling shutter had up to 1.5 times what is chance at a first
+// step, kitchen, whose lens is wrong, has 5 times.
 constexpr double kBeyondFocalLength = 3.0;
 // Of a lens that is known to be wrong whatever lowers the cost is welcome, if by more than the noise of ten windows.
 constexpr double kWorthwhile = 0.2;  // chi^2
@@ -25,7 +25,8 @@ constexpr double kWorthwhile = 0.2;  // chi^2
 // the error that is left, and what was said before the last step is soon out of date.
 constexpr double kAgeingRight = 0.995;
 constexpr double kAgeingWrong = 0.9;
-// The same of three. Right cameras took steps of up to 0.6 % of the light; true vignettes a first one of 8 to 20 %.
+// Of three degrees of freedom, 95 %. Right cameras took steps of up to 0.6 % of the light; true vignettes a first one
+// of 8 to 20 %.
 constexpr double kSignificantVignette = 7.8;
 // Five standard deviations: what is not told of a shutter is far from what was taken for it, or right.
 constexpr double kSignificantReadout = 25.0;

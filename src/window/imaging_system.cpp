@@ -23,7 +23,7 @@ constexpr double kItsHalfReadout = 0.013;  // [s] of those recordings: half of t
 
 // Errors of a velocity stay with its keyframe through all the windows that share it. On two recorded motions
 // (hand_desk, hand_office) with a rolling shutter and all told, steps that were taken for nothing had chi^2 of 13 to
-// 23, where 12.6 counts. By half, steps still spoilt right cameras on fast heads (head_room2 to 4); by a tenth,
+// 23, where 12.6 counted. By half, steps still spoilt right cameras on fast heads (head_room2 to 4); by a tenth,
 // kitchen's wrong one is corrected too late (docs/decisions/2026-11-28-rolling-shutters.md).
 constexpr double kRollingEvidence = 0.2;
 
