@@ -9,7 +9,7 @@
 #include "mba_vo/geometry/calibration_correction.h"
 #include "mba_vo/geometry/exposure_trajectory.h"
 #include "mba_vo/image/image_pyramid.h"
-#include "mba_vo/window/marginalization_prior.h"
+#include "mba_vo/solver/marginalization_prior.h"
 #include "mba_vo/window/window.h"
 
 namespace mba_vo {

@@ -1,4 +1,4 @@
-#include "mba_vo/window/marginalization_prior.h"
+#include "mba_vo/solver/marginalization_prior.h"
 
 #include <Eigen/Eigenvalues>
 
