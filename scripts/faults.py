@@ -164,6 +164,9 @@ def main():
     end = words.index("--") if "--" in words else len(words)
     arguments = parser.parse_args(words[:end])
     arguments.options = words[end + 1:]
+    for folder in arguments.sequences:
+        if not os.path.exists(os.path.join(folder, "groundtruth.txt")):
+            parser.error("%s is not there" % os.path.join(folder, "groundtruth.txt"))
     first, last = (int(x) for x in arguments.seeds.split(":"))
     for folder in (s.rstrip("/") for s in arguments.sequences):
         total = collections.Counter()

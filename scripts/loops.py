@@ -135,6 +135,9 @@ def main():
     parser.add_argument("--depth", type=float, default=2.5)
     parser.add_argument("--drift", action="store_true")
     a = parser.parse_args()
+    for folder, name in ((a.sequence, "groundtruth.txt"), (a.run, "keyframes.csv"), (a.run, "online_trajectory.txt")):
+        if not os.path.exists(os.path.join(folder, name)):
+            parser.error(f"{os.path.join(folder, name)} is not there")
     truth = Poses(np.loadtxt(os.path.join(a.sequence, "groundtruth.txt")))
     with open(os.path.join(a.run, "keyframes.csv"), encoding="utf-8") as file:
         keyframes = [float(row["time"]) for row in csv.DictReader(file)]

@@ -1,5 +1,6 @@
 #include "mba_vo/mapping/calibration_estimator.h"
 
+#include <algorithm>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -137,6 +138,26 @@ TEST(CalibrationEstimator, HasSettledWhenWindowsLeaveItAsItIs) {
   while (!estimator.add(windowOf(truth, estimator.correction(), 1e3))) {
   }
   EXPECT_EQ(*estimator.settled(), before) << "what has only just been found has not settled";
+}
+
+/// A lens that is known to be wrong goes on following what windows say; what is learnt of it is kept nevertheless.
+TEST(CalibrationEstimator, IsLearntWhileStepsAreWithinChance) {
+  constexpr int kFocal = CalibrationCorrection::kFocal;
+  std::mt19937 generator(3);
+  std::normal_distribution<double> noise(0.0, 7e-4);
+  CalibrationEstimator estimator;
+  int longest = 0;  // time without a step
+  int since = 0;
+  for (int i = 0; i < 40; ++i) {
+    Vector truth = Vector::Zero();
+    truth(kFocal) = 0.02 + noise(generator);
+    since = estimator.add(windowOf(truth, estimator.correction(), 100.0)) ? 0 : since + 1;
+    if (i > 10) longest = std::max(longest, since);
+  }
+  EXPECT_LT(longest, 8);
+  EXPECT_FALSE(estimator.isSettled());
+  ASSERT_TRUE(estimator.settled());
+  EXPECT_NEAR((*estimator.settled())[CalibrationCorrection::kFocal], 0.02, 1e-3);
 }
 
 TEST(CalibrationEstimator, WantsSeveralWindowsToAgree) {

@@ -19,9 +19,11 @@ class CalibrationEstimator {
   /// The correction that new images should be made with.
   const CalibrationCorrection& correction() const { return correction_; }
 
-  /// The last correction that one window after the other has left as it is, for a while; nullopt if there was none.
+  /// The last correction that one window after the other has left as it is, but for chance, for a while; nullopt if
+  /// there was none.
   const std::optional<CalibrationCorrection>& settled() const { return settled_; }
-  bool isSettled() const { return settled_ && *settled_ == correction_; }
+  /// Whether they have left it exactly as it is.
+  bool isSettled() const;
 
   /// Adds what a window says about errors left by the present correction. True if the correction changed.
   bool add(const CalibrationSystem& system);
@@ -40,6 +42,7 @@ class CalibrationEstimator {
   std::optional<CalibrationCorrection> settled_;
   CalibrationSystem sum_;  // of the windows, the more the later they are
   int windows_ = 0;        // since the correction changed
+  int steady_ = 0;         // since it changed by more than chance
 };
 
 }  // namespace mba_vo
